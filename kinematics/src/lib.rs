@@ -7,7 +7,7 @@
 //!   numbers.
 //! * [`JointLimits`]: limits and whole turns.
 //! * [`Positioner`]: a table that tilts and turns.
-//! * [`Cell`], [`TableCell`]: who holds what; from a waypoint to configurations.
+//! * [`Setup`], [`TableSetup`]: who holds what; from a waypoint to configurations.
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
@@ -21,14 +21,14 @@
 //!
 //! # Who stands on whom
 //!
-//! From below: angles, poses, limits; [`Arm`] and [`Positioner`]; targets ([`program::Target`]); [`Cell`] and [`scene`]; [`workcell`];
+//! From below: angles, poses, limits; [`Arm`] and [`Positioner`]; targets ([`program::Target`]); [`Setup`] and [`scene`]; [`workcell`];
 //! placement. [`program`] stands on arms and targets and knows no workcell, [`workcell`] knows no program. [`print_program`] stands on
 //! both. Calibration stands on arms, [`stewart`] on poses alone.
 
 mod angle;
 mod arm;
 mod calibration;
-mod cell;
+
 #[cfg(feature = "serde")]
 mod json;
 mod limits;
@@ -38,7 +38,9 @@ mod positioner;
 pub mod print_program;
 pub mod program;
 mod progress;
+mod random;
 pub mod scene;
+mod setup;
 pub mod stewart;
 mod target;
 mod trig;
@@ -53,7 +55,6 @@ pub use calibration::{
     MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, calibrate_tip,
     calibrate_tool, fit_arm, fit_residuals,
 };
-pub use cell::{Cell, CellError, CellFrames, Configuration, TableCell, Waypoint, nozzle_frame};
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
 pub use placement::{
@@ -64,3 +65,4 @@ pub use placement::{
 pub use pose::{InvalidPose, PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use progress::Progress;
+pub use setup::{Configuration, Setup, SetupError, SetupFrames, TableSetup, Waypoint, nozzle_frame};

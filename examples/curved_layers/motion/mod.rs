@@ -23,7 +23,7 @@ use curvlay_examples::motion::{
     waypoints,
 };
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
+    AnyWorkcell, EightAxisWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisWorkcell, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
 use curvlay_layers::curved::surface::SavedField;
@@ -165,8 +165,8 @@ impl MotionArgs {
 
 /// What came of the stage, by the kind of cell.
 pub enum Motion {
-    Six(Box<MotionRun<6, 1, SixAxisCell>>),
-    Eight(Box<MotionRun<8, 2, EightAxisCell>>),
+    Six(Box<MotionRun<6, 1, SixAxisWorkcell>>),
+    Eight(Box<MotionRun<8, 2, EightAxisWorkcell>>),
 }
 
 /// The whole print.

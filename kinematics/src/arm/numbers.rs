@@ -22,8 +22,8 @@ pub(super) const NEAR_WRIST: f64 = 1e-6;
 /// Angles beyond this, in radians, have too few digits left to be followed.
 pub(super) const FARTHEST_ANGLE: f64 = 1e6;
 
-/// What sums of a few angles lose.
-pub(super) const ROUNDING: f64 = 1e-13;
+/// More than sums of a few angles lose by rounding, in radians.
+pub(super) const ANGLE_ROUNDING: f64 = 1e-13;
 
 /// Every solution meets its pose within this distance, in millimetres.
 pub const POSITION_TOLERANCE: f64 = 1e-6;

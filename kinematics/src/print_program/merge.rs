@@ -10,11 +10,11 @@ const LONGEST: usize = 200;
 /// The waypoints that are needed: from each the farthest is next that leaves those between near the line. The first and the
 /// last stay, and those whose posture has no pose.
 pub(super) fn merged<const N: usize, const F: usize, W: Workcell<N, F>>(
-    cell: &W,
+    workcell: &W,
     knots: &[PrintKnot<N>],
     options: &TargetOptions,
 ) -> Vec<PrintKnot<N>> {
-    let poses: Vec<Option<ControllerPose>> = knots.iter().map(|knot| cell.controller_pose(&knot.joints)).collect();
+    let poses: Vec<Option<ControllerPose>> = knots.iter().map(|knot| workcell.controller_pose(&knot.joints)).collect();
     let mut kept: Vec<PrintKnot<N>> = knots.first().copied().into_iter().collect();
     let mut from = 0;
     while from + 1 < knots.len() {

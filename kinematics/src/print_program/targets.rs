@@ -43,10 +43,10 @@ pub struct TargetMotion<const N: usize> {
 /// use curvlay_kinematics::workcell::AnyWorkcell;
 /// # #[cfg(feature = "serde")] {
 /// let file = include_str!("../../../examples/cells/ur3.json");
-/// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+/// let AnyWorkcell::Six(workcell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
 /// let at = |time_s: f64| PrintKnot { time_s, joints: [0.1 * time_s, -1.0, -1.5, 0.3, 0.2, 0.0], filament_mm: 2.0 * time_s };
 /// let motion = TargetMotion { knots: vec![at(0.0), at(0.5), at(1.0)], onward: vec![[0.0; 6]], head: None };
-/// let steps: Vec<Step> = print_targets(&cell, [motion], TargetOptions::default()).collect();
+/// let steps: Vec<Step> = print_targets(&workcell, [motion], TargetOptions::default()).collect();
 /// assert_eq!(steps.len(), 8);
 /// assert_eq!((steps[1], steps[6]), (Step::Extruder(true), Step::Extruder(false)));
 /// assert_eq!(steps[2], Step::FilamentSpeed(2.0));
@@ -54,17 +54,17 @@ pub struct TargetMotion<const N: usize> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
-    cell: &W,
+    workcell: &W,
     motions: impl IntoIterator<Item = TargetMotion<N>>,
     options: TargetOptions,
 ) -> impl Iterator<Item = Step> {
     let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s, .. } = options;
     let joints_move = move |joints: &[f64; N]| {
-        let place = cell.controller_pose(joints)?;
+        let place = workcell.controller_pose(joints)?;
         Some(by_joints(place.joints, place.table))
     };
     let line = move |[a, b]: [&PrintKnot<N>; 2], zone: Zone| {
-        let (from, to) = (cell.controller_pose(&a.joints)?, cell.controller_pose(&b.joints)?);
+        let (from, to) = (workcell.controller_pose(&a.joints)?, workcell.controller_pose(&b.joints)?);
         let step = b.time_s - a.time_s;
         let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
         let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
@@ -79,7 +79,7 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
             steps.extend(onward.iter().filter_map(joints_move));
             return steps;
         }
-        let knots = if options.merge_mm > 0.0 { merged(cell, &knots, &options) } else { knots };
+        let knots = if options.merge_mm > 0.0 { merged(workcell, &knots, &options) } else { knots };
         let last = knots.len().saturating_sub(2);
         let zone = |k: usize| if k == last { Zone::Stop } else { Zone::Blend(corner_mm) };
         let along = knots.windows(2).enumerate().filter_map(|(k, pair)| line([&pair[0], &pair[1]], zone(k)));

@@ -9,38 +9,11 @@
 use super::newton::{State, StewartError, check_lengths};
 use super::platform::Stewart;
 use crate::pose::{parts, rotation};
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use crate::random::Random;
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Poses nearer than this are one, as a share of the longest leg, and in radians.
 const SAME: f64 = 1e-6;
-
-/// SplitMix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014): small, and the same everywhere.
-struct Random(u64);
-
-impl Random {
-    /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    /// All turns alike: a point of the ball in four dimensions, by rejection.
-    fn turn(&mut self) -> UnitQuaternion<f64> {
-        loop {
-            let q = Quaternion::new(self.signed(), self.signed(), self.signed(), self.signed());
-            if (1e-3..=1.0).contains(&q.norm_squared()) {
-                return UnitQuaternion::new_normalize(q);
-            }
-        }
-    }
-}
 
 impl Stewart {
     /// The mirror image of a pose: another one with the same lengths. `None` unless the joints of the base lie in a
@@ -87,7 +60,7 @@ impl Stewart {
         check_lengths(legs)?;
         let longest = legs.iter().fold(0.0, |a: f64, &b| a.max(b));
         let middle = self.base.iter().sum::<Vector3<f64>>() / 6.0;
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut found: Vec<Isometry3<f64>> = Vec::new();
         for _ in 0..starts {
             // The joints' middle is no farther from the base's than a leg and both radii; nearer is likelier.

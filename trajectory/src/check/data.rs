@@ -15,8 +15,8 @@ pub enum MotionKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
     /// Where the tip shall be, in millimetres.
-    pub tip: Point3<f64>,
-    /// The nozzle's axis, away from the tip.
+    pub position: Point3<f64>,
+    /// The axis of the nozzle, away from the tip.
     pub axis: UnitVector3<f64>,
     /// When the motion is said to pass it, in seconds, if that is known. Then the nozzle is not taken to be beyond it
     /// earlier: in a spike both legs are equally near.

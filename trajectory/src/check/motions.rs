@@ -36,7 +36,7 @@ use std::ops::ControlFlow;
 /// // An axis that carries the nozzle along x, 10 mm a radian: jerk 3, -3, -3, 3 rad/s^3.
 /// let times = [0.0, 1.0, 2.0, 3.0, 4.0];
 /// let joints = [[0.0], [0.5], [3.0], [5.5], [6.0]];
-/// let point = |x| PathPoint { tip: Point3::new(x, 0.0, 0.0), axis: Vector3::z_axis(), passed_s: None };
+/// let point = |x| PathPoint { position: Point3::new(x, 0.0, 0.0), axis: Vector3::z_axis(), passed_s: None };
 /// let path = [point(0.0), point(60.0)];
 /// let motion = CheckedMotion {
 ///     kind: MotionKind::Print, times: &times, joints: &joints, path: &path, printing: None, apart: false,
@@ -146,7 +146,7 @@ fn check_data<const N: usize>(motion: usize, checked: &CheckedMotion<N>) -> Resu
     if path.is_empty() == (kind == MotionKind::Print) {
         return Err(CheckError::PathLength { motion, kind, points: path.len() });
     }
-    let sound = |point: &PathPoint| point.tip.iter().chain(point.axis.iter()).all(|x| x.is_finite());
+    let sound = |point: &PathPoint| point.position.iter().chain(point.axis.iter()).all(|x| x.is_finite());
     if let Some(point) = path.iter().position(|point| !sound(point)) {
         return Err(CheckError::PathPoint { motion, point });
     }

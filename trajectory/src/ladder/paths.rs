@@ -1,9 +1,10 @@
 //! The shortest path with given samples, within the stops.
 
 use super::buckets::Measure;
-use super::nodes::{Kind, Window, wrapped};
+use super::nodes::{Kind, Window};
 use super::options::LadderOptions;
 use super::search::{Path, Search, Stuck, Windows};
+use crate::angle::wrapped;
 use crate::robot::Robot;
 use crate::{Bounds, Progress};
 use std::f64::consts::TAU;

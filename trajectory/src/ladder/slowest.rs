@@ -14,8 +14,9 @@
 //! everything.
 
 use super::error::LadderError;
-use super::nodes::{Kind, wrapped};
+use super::nodes::Kind;
 use super::options::{LadderOptions, check};
+use crate::angle::wrapped;
 use crate::robot::{FreeRange, Robot};
 use crate::{Bounds, Progress};
 use std::f64::consts::PI;

@@ -4,12 +4,12 @@ use super::clearances::ClearOf;
 use super::error::FilterError;
 use super::options::{FilterOptions, FilterStatus, FilterStep, Filtered};
 use super::window::{Filter, Motion};
+use crate::angle::nearest_image;
 use crate::jerk::stencil;
 use crate::ladder::LadderNode;
 use crate::path::MIN_WAYPOINTS;
 use crate::robot::Robot;
 use crate::{Bounds, Progress};
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 /// Joints of a start may differ from the robot's own by this many radians and whole turns.
@@ -189,7 +189,7 @@ fn check<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     for (waypoint, node) in start.iter().enumerate() {
         let posture = robot.posture(waypoint, &node.free, node.branch).and_then(|mut posture| {
             for (joint, wanted) in posture.joints.iter_mut().zip(&node.joints) {
-                *joint += TAU * ((wanted - *joint) / TAU).round();
+                *joint = nearest_image(*joint, *wanted);
             }
             let same = posture.joints.iter().zip(&node.joints).all(|(a, b)| (a - b).abs() <= SAME);
             same.then_some(posture)

@@ -1,6 +1,6 @@
 //! What comes of planning: runs, travels, and what cannot be printed as it is.
 
-use super::cell::Waypoint;
+use super::workcell::Waypoint;
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
 use std::fmt;

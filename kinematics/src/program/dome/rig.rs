@@ -1,7 +1,8 @@
 //! From a point on a dome in the robot's hand to the robtarget that brings it under a fixed nozzle: [`DomeRig`].
 
+use crate::angle::short_way;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The numbers of Brooks' rig, in millimetres: from a point on a dome in the robot's hand to the robtarget that brings it
 /// under a fixed nozzle.
@@ -100,7 +101,7 @@ impl DomeRig {
             if at.x.hypot(at.y) >= pole.max(f64::MIN_POSITIVE) {
                 let turn = -FRAC_PI_2 - at.y.atan2(at.x);
                 let before = known.last().map_or(0.0, |(_, turn)| *turn);
-                known.push((k, before + wrapped(turn - before)));
+                known.push((k, before + short_way(turn - before)));
             }
         }
         let mut turns = vec![0.0; points.len()];
@@ -123,9 +124,4 @@ impl DomeRig {
     pub fn contact(&self) -> Point3<f64> {
         self.home + Vector3::z() * self.top
     }
-}
-
-/// An angle within half a turn of 0.
-fn wrapped(angle: f64) -> f64 {
-    angle - (angle / TAU).round() * TAU
 }

@@ -15,7 +15,6 @@
 //! the weight the program uses that. The differences only guide the search. The result is timed by [`super::time_path`] on the
 //! spline that is executed, and is never longer than the start.
 
-mod band;
 mod model;
 mod options;
 mod plan;

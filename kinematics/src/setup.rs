@@ -1,4 +1,4 @@
-//! Cells: an arm, a part and a nozzle, and which of the two the arm holds. [`CellFrames`] states frames and the zero of
+//! Setups: an arm, a part and a nozzle, and which of the two the arm holds. [`SetupFrames`] states frames and the zero of
 //! the tool angle.
 
 use crate::arm::{Arm, Branch, Rates};
@@ -58,7 +58,7 @@ pub fn nozzle_frame(tip: &Point3<f64>, flow: &UnitVector3<f64>) -> Isometry3<f64
 /// A frame that is no pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum CellError {
+pub enum SetupError {
     /// An entry is not finite, or beyond 1e6 mm, or the quaternion has another length than 1.
     #[error("the frame `{frame}` is invalid: its entries must be finite and within 1e6 mm, its quaternion of length 1")]
     Frame {
@@ -67,8 +67,8 @@ pub enum CellError {
     },
 }
 
-fn sound(frame: &'static str, pose: &Isometry3<f64>) -> Result<(), CellError> {
-    if is_frame(pose) { Ok(()) } else { Err(CellError::Frame { frame }) }
+fn sound(frame: &'static str, pose: &Isometry3<f64>) -> Result<(), SetupError> {
+    if is_frame(pose) { Ok(()) } else { Err(SetupError::Frame { frame }) }
 }
 
 /// What the arm holds.
@@ -78,7 +78,7 @@ enum Held {
     Nozzle,
 }
 
-/// The frames of a cell, all in the base, which is the world: those of C. Dai, *Material Deposition in 3D Space*
+/// The frames of a setup, all in the base, which is the world: those of C. Dai, *Material Deposition in 3D Space*
 /// (dissertation, TU Delft 2020), section 2.5, Fig. 2.7.
 ///
 /// Symbols of Eq. 2.3, `T_E^B T_P^E T_O^P = T_N^B`, and section 4.3.1 (the free turn about the tool axis, Eq. 4.3):
@@ -93,7 +93,7 @@ enum Held {
 /// Departs from the dissertation: the nozzle may be in the hand and the part on its stand as well, and the stand may be the
 /// table of a [`Positioner`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellFrames {
+pub struct SetupFrames {
     /// B: the base of the arm, which is the world.
     pub base: Isometry3<f64>,
     /// E: the end-effector, which is the flange.
@@ -123,21 +123,21 @@ pub struct Configuration {
 ///
 /// ```
 /// use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
-/// use curvlay_kinematics::{Arm, Cell, Waypoint, nozzle_frame, robots};
+/// use curvlay_kinematics::{Arm, Setup, Waypoint, nozzle_frame, robots};
 /// // A UR3 holds the part under a nozzle that hangs down.
 /// let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
-/// let cell = Cell::part_in_hand(Arm::new(&robots::UR3)?, Isometry3::translation(0.0, 0.0, 45.0), nozzle)?;
+/// let setup = Setup::part_in_hand(Arm::new(&robots::UR3)?, Isometry3::translation(0.0, 0.0, 45.0), nozzle)?;
 /// let waypoint = Waypoint { position: Point3::new(10.0, -5.0, 20.0), axis: Vector3::z_axis() };
-/// let all: Vec<_> = cell.configurations(&waypoint, 30).collect();
+/// let all: Vec<_> = setup.configurations(&waypoint, 30).collect();
 /// assert!(all.len() > 100);
 /// for found in &all {
-///     let frames = cell.frames(&found.joints, &waypoint, found.tool_angle);
+///     let frames = setup.frames(&found.joints, &waypoint, found.tool_angle);
 ///     assert!((frames.deposition.translation.vector - frames.nozzle.translation.vector).norm() < 1e-6);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub struct Setup {
     arm: Arm,
     held: Held,
     /// What the arm holds, on its flange.
@@ -146,29 +146,33 @@ pub struct Cell {
     base_other: Isometry3<f64>,
 }
 
-impl Cell {
+impl Setup {
     /// The arm holds the part; the nozzle stands still.
     ///
     /// # Errors
-    /// [`CellError`] names the frame that is no pose.
-    pub fn part_in_hand(arm: Arm, flange_part: Isometry3<f64>, base_nozzle: Isometry3<f64>) -> Result<Self, CellError> {
+    /// [`SetupError`] names the frame that is no pose.
+    pub fn part_in_hand(
+        arm: Arm,
+        flange_part: Isometry3<f64>,
+        base_nozzle: Isometry3<f64>,
+    ) -> Result<Self, SetupError> {
         sound("flange_part", &flange_part)?;
         sound("base_nozzle", &base_nozzle)?;
-        Ok(Cell { arm, held: Held::Part, flange_held: flange_part, base_other: base_nozzle })
+        Ok(Setup { arm, held: Held::Part, flange_held: flange_part, base_other: base_nozzle })
     }
 
     /// The arm holds the nozzle; the part stands still.
     ///
     /// # Errors
-    /// [`CellError`] names the frame that is no pose.
+    /// [`SetupError`] names the frame that is no pose.
     pub fn nozzle_in_hand(
         arm: Arm,
         flange_nozzle: Isometry3<f64>,
         base_part: Isometry3<f64>,
-    ) -> Result<Self, CellError> {
+    ) -> Result<Self, SetupError> {
         sound("flange_nozzle", &flange_nozzle)?;
         sound("base_part", &base_part)?;
-        Ok(Cell { arm, held: Held::Nozzle, flange_held: flange_nozzle, base_other: base_part })
+        Ok(Setup { arm, held: Held::Nozzle, flange_held: flange_nozzle, base_other: base_part })
     }
 
     /// The arm.
@@ -178,11 +182,11 @@ impl Cell {
 
     /// What the part is fixed to, flange or base, and its frame there.
     /// ```
-    /// use curvlay_kinematics::{Arm, Cell, nalgebra::Isometry3, robots, scene::Mount};
+    /// use curvlay_kinematics::{Arm, Setup, nalgebra::Isometry3, robots, scene::Mount};
     /// let (part, nozzle) = (Isometry3::translation(0.0, 0.0, 45.0), Isometry3::translation(300.0, 60.0, 220.0));
-    /// let cell = Cell::part_in_hand(Arm::new(&robots::UR3)?, part, nozzle)?;
-    /// assert_eq!(cell.part_frame(), (Mount::Link(6), part));
-    /// assert_eq!(cell.nozzle_frame(), (Mount::Base, nozzle));
+    /// let setup = Setup::part_in_hand(Arm::new(&robots::UR3)?, part, nozzle)?;
+    /// assert_eq!(setup.part_frame(), (Mount::Link(6), part));
+    /// assert_eq!(setup.nozzle_frame(), (Mount::Base, nozzle));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn part_frame(&self) -> (Mount, Isometry3<f64>) {
@@ -209,8 +213,8 @@ impl Cell {
         }
     }
 
-    /// The frames of the cell, for the arm at `joints` and the deposition frame of a waypoint.
-    pub fn frames(&self, joints: &[f64; 6], waypoint: &Waypoint, tool_angle: f64) -> CellFrames {
+    /// The frames of the setup, for the arm at `joints` and the deposition frame of a waypoint.
+    pub fn frames(&self, joints: &[f64; 6], waypoint: &Waypoint, tool_angle: f64) -> SetupFrames {
         let end_effector = self.arm.forward(joints);
         let held = end_effector * self.flange_held;
         let (part, nozzle) = match self.held {
@@ -218,10 +222,10 @@ impl Cell {
             Held::Nozzle => (self.base_other, held),
         };
         let deposition = part * waypoint.frame(tool_angle);
-        CellFrames { base: Isometry3::identity(), end_effector, part, deposition, nozzle }
+        SetupFrames { base: Isometry3::identity(), end_effector, part, deposition, nozzle }
     }
 
-    /// Where the nozzle is on the part, `part_nozzle`: the forward kinematics of the cell.
+    /// Where the nozzle is on the part, `part_nozzle`: the forward kinematics of the setup.
     pub fn nozzle_on_part(&self, joints: &[f64; 6]) -> Isometry3<f64> {
         let held = self.arm.forward(joints) * self.flange_held;
         match self.held {
@@ -245,11 +249,11 @@ impl Cell {
             let middle = 0.5 * (limits.lower[k] + limits.upper[k]);
             if middle.is_finite() { middle } else { 0.0 }
         });
-        let (cell, waypoint) = (*self, *waypoint);
+        let (setup, waypoint) = (*self, *waypoint);
         (0..samples).flat_map(move |sample| {
             let tool_angle = TAU * (sample as f64 / samples as f64) - PI;
             // A waypoint that is no place has no solutions.
-            let found = cell.arm.inverse(&cell.flange(&waypoint, tool_angle)).unwrap_or_default();
+            let found = setup.arm.inverse(&setup.flange(&waypoint, tool_angle)).unwrap_or_default();
             Branch::ALL.into_iter().filter_map(move |branch| {
                 let joints = limits.nearest_image(found.get(branch)?, &middle)?;
                 Some(Configuration { sample, tool_angle, branch, joints })
@@ -270,58 +274,58 @@ impl Cell {
     }
 }
 
-/// A cell in which the table of a positioner carries what the arm does not hold: eight axes.
+/// A setup in which the table of a positioner carries what the arm does not hold: eight axes.
 ///
-/// With the table at given joints it is a [`Cell`].
+/// With the table at given joints it is a [`Setup`].
 /// ```
 /// use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-/// use curvlay_kinematics::{Arm, Positioner, TableCell, Waypoint, nozzle_frame, robots};
+/// use curvlay_kinematics::{Arm, Positioner, TableSetup, Waypoint, nozzle_frame, robots};
 /// // The tilt axis passes 120 mm above the floor, 520 mm in front of an IRB 1200.
 /// let positioner = Positioner::new(&robots::IRBP_A250, &Isometry3::translation(520.0, 0.0, -900.0))?;
 /// let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 150.0), &Vector3::z_axis());
-/// let cell = TableCell::nozzle_in_hand(Arm::new(&robots::IRB1200)?, nozzle, positioner, Isometry3::identity())?;
+/// let setup = TableSetup::nozzle_in_hand(Arm::new(&robots::IRB1200)?, nozzle, positioner, Isometry3::identity())?;
 /// let leaning = UnitVector3::new_normalize(Vector3::new(0.3, 0.2, 1.0));
 /// let waypoint = Waypoint { position: Point3::new(5.0, 0.0, 30.0), axis: leaning };
 /// // Turned so that the layer is level, and the nozzle hangs down.
-/// let [table, _] = cell.aligning(&waypoint, &Vector3::z(), &[0.0; 2]);
-/// let at = cell.at(&table.ok_or("out of reach")?).ok_or("beyond its limits")?;
+/// let [table, _] = setup.aligning(&waypoint, &Vector3::z(), &[0.0; 2]);
+/// let at = setup.at(&table.ok_or("out of reach")?).ok_or("beyond its limits")?;
 /// assert!(at.configurations(&waypoint, 8).count() > 8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TableCell {
-    /// The cell with its other thing as it stands on the table instead of in the base.
-    cell: Cell,
+pub struct TableSetup {
+    /// The setup with its other thing as it stands on the table instead of in the base.
+    setup: Setup,
     positioner: Positioner,
 }
 
-impl TableCell {
+impl TableSetup {
     /// The arm holds the part; the table carries the nozzle.
     ///
     /// # Errors
-    /// [`CellError`] names the frame that is no pose.
+    /// [`SetupError`] names the frame that is no pose.
     pub fn part_in_hand(
         arm: Arm,
         flange_part: Isometry3<f64>,
         positioner: Positioner,
         table_nozzle: Isometry3<f64>,
-    ) -> Result<Self, CellError> {
+    ) -> Result<Self, SetupError> {
         sound("table_nozzle", &table_nozzle)?;
-        Ok(TableCell { cell: Cell::part_in_hand(arm, flange_part, table_nozzle)?, positioner })
+        Ok(TableSetup { setup: Setup::part_in_hand(arm, flange_part, table_nozzle)?, positioner })
     }
 
     /// The arm holds the nozzle; the table carries the part.
     ///
     /// # Errors
-    /// [`CellError`] names the frame that is no pose.
+    /// [`SetupError`] names the frame that is no pose.
     pub fn nozzle_in_hand(
         arm: Arm,
         flange_nozzle: Isometry3<f64>,
         positioner: Positioner,
         table_part: Isometry3<f64>,
-    ) -> Result<Self, CellError> {
+    ) -> Result<Self, SetupError> {
         sound("table_part", &table_part)?;
-        Ok(TableCell { cell: Cell::nozzle_in_hand(arm, flange_nozzle, table_part)?, positioner })
+        Ok(TableSetup { setup: Setup::nozzle_in_hand(arm, flange_nozzle, table_part)?, positioner })
     }
 
     /// The positioner.
@@ -331,23 +335,23 @@ impl TableCell {
 
     /// The arm.
     pub fn arm(&self) -> &Arm {
-        self.cell.arm()
+        self.setup.arm()
     }
 
     /// What the part is fixed to, flange or table, and its frame there.
     pub fn part_frame(&self) -> (Mount, Isometry3<f64>) {
-        on_table(self.cell.part_frame())
+        on_table(self.setup.part_frame())
     }
 
     /// What the nozzle is fixed to, table or flange, and its frame there.
     pub fn nozzle_frame(&self) -> (Mount, Isometry3<f64>) {
-        on_table(self.cell.nozzle_frame())
+        on_table(self.setup.nozzle_frame())
     }
 
-    /// The cell with the table at these joints; `None` beyond its limits.
-    pub fn at(&self, table: &[f64; 2]) -> Option<Cell> {
-        let base_other = self.positioner.forward(table) * self.cell.base_other;
-        self.positioner.limits().contains(table).then_some(Cell { base_other, ..self.cell })
+    /// The setup with the table at these joints; `None` beyond its limits.
+    pub fn at(&self, table: &[f64; 2]) -> Option<Setup> {
+        let base_other = self.positioner.forward(table) * self.setup.base_other;
+        self.positioner.limits().contains(table).then_some(Setup { base_other, ..self.setup })
     }
 
     /// Joints of the table at which the direction of growth points in this direction of the base: the axis of the
@@ -358,18 +362,18 @@ impl TableCell {
         base_direction: &Vector3<f64>,
         reference: &[f64; 2],
     ) -> [Option<[f64; 2]>; 2] {
-        let growth = match self.cell.held {
+        let growth = match self.setup.held {
             Held::Part => Vector3::z(),
             Held::Nozzle => waypoint.axis.into_inner(),
         };
-        self.positioner.aligning(&(self.cell.base_other.rotation * growth), base_direction, reference)
+        self.positioner.aligning(&(self.setup.base_other.rotation * growth), base_direction, reference)
     }
 
     /// How the arm's joints follow the tool angle, the tilt and the turn, each alone, while the waypoint stays: first
     /// and second derivatives. `None` at a singularity, or with the table beyond its limits.
     pub fn rates(&self, table: &[f64; 2], joints: &[f64; 6]) -> Option<[Rates; 3]> {
         let [tilt, turn] = self.positioner.axes(table);
-        let follow = |(point, axis): (Point3<f64>, UnitVector3<f64>)| self.cell.arm.rates_about(joints, &point, &axis);
+        let follow = |(point, axis): (Point3<f64>, UnitVector3<f64>)| self.setup.arm.rates_about(joints, &point, &axis);
         Some([self.at(table)?.tool_rates(joints)?, follow(tilt)?, follow(turn)?])
     }
 }

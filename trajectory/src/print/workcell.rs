@@ -155,10 +155,10 @@ pub enum Moment {
 /// The workcell with the part as far as it is built: what touches, and what gouges.
 ///
 /// It has two states: *printing*, in which the nozzle may touch the part and the plate (how deep is asked by
-/// [`PrintCell::is_gouging`]), and *moving*, in which nothing may touch anything. The indicator
+/// [`PrintWorkcell::is_gouging`]), and *moving*, in which nothing may touch anything. The indicator
 /// ([`CollisionIndicator`]) speaks of printing, [`FreeSpace`] of moving. Answers must depend on the arguments and on the
 /// layers that were added alone. A clone is made for each layer, so that layers are planned side by side.
-pub trait PrintCell<const N: usize>: CollisionIndicator<N> + FreeSpace<N> + Clone + Send {
+pub trait PrintWorkcell<const N: usize>: CollisionIndicator<N> + FreeSpace<N> + Clone + Send {
     /// A layer is about to be printed: while printing, it is there from now on.
     ///
     /// # Errors
@@ -187,9 +187,9 @@ pub trait PrintCell<const N: usize>: CollisionIndicator<N> + FreeSpace<N> + Clon
 
 /// A workcell in which nothing is in the way: motions keep limits and path, and collisions are not looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OpenCell;
+pub struct OpenWorkcell;
 
-impl<const N: usize> CollisionIndicator<N> for OpenCell {
+impl<const N: usize> CollisionIndicator<N> for OpenWorkcell {
     fn value(&self, _: &[f64; N]) -> f64 {
         f64::NEG_INFINITY
     }
@@ -199,13 +199,13 @@ impl<const N: usize> CollisionIndicator<N> for OpenCell {
     }
 }
 
-impl<const N: usize> FreeSpace<N> for OpenCell {
+impl<const N: usize> FreeSpace<N> for OpenWorkcell {
     fn free(&self, _: &[f64; N], _: &[f64; N]) -> bool {
         true
     }
 }
 
-impl<const N: usize> PrintCell<N> for OpenCell {
+impl<const N: usize> PrintWorkcell<N> for OpenWorkcell {
     fn begin(&mut self, _: u32) -> Result<(), String> {
         Ok(())
     }

@@ -1,14 +1,14 @@
 //! A symmetric banded matrix and its Cholesky factor.
 
 /// The lower half, row by row: `width` entries left of the diagonal, then the diagonal.
-pub(super) struct Band {
+pub(crate) struct Cholesky {
     width: usize,
     entries: Vec<f64>,
 }
 
-impl Band {
+impl Cholesky {
     pub fn new(size: usize, width: usize) -> Self {
-        Band { width, entries: vec![0.0; size * (width + 1)] }
+        Cholesky { width, entries: vec![0.0; size * (width + 1)] }
     }
 
     pub fn clear(&mut self) {
@@ -64,6 +64,44 @@ impl Band {
             for (b, l) in b[first..row].iter_mut().zip(&entries[width - (row - first)..width]) {
                 *b -= l * value;
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn solves_as_a_dense_solver_does() {
+        let mut rng = Pcg64::seed_from_u64(3);
+        for (size, width) in [(1, 0), (1, 3), (6, 0), (9, 2), (20, 5), (4, 7)] {
+            let mut band = Cholesky::new(size, width);
+            let mut dense = DMatrix::zeros(size, size);
+            for _ in 0..4 * size {
+                let first = rng.random_range(0..size);
+                let a: Vec<f64> = (first..size.min(first + width + 1)).map(|_| rng.random_range(-1.0..1.0)).collect();
+                let weight = rng.random_range(0.1..2.0);
+                band.add(first, &a, weight);
+                for (i, x) in a.iter().enumerate() {
+                    for (k, y) in a.iter().enumerate() {
+                        dense[(first + i, first + k)] += weight * x * y;
+                    }
+                }
+            }
+            for unknown in 0..size {
+                band.add(unknown, &[1.0], 1.0);
+                dense[(unknown, unknown)] += 1.0;
+            }
+            let right: Vec<f64> = (0..size).map(|_| rng.random_range(-1.0..1.0)).collect();
+            let mut x = right.clone();
+            band.factor();
+            band.solve(&mut x);
+            let oracle = dense.full_piv_lu().solve(&DVector::from_vec(right)).unwrap();
+            assert!(x.iter().zip(&oracle).all(|(a, b)| (a - b).abs() < 1e-12), "{size} {width}: {x:?} {oracle}");
         }
     }
 }

@@ -1,11 +1,12 @@
 //! A pentadiagonal matrix and its factors.
 
 /// `L D L^T` of a pentadiagonal matrix; `band[k]` holds its diagonal and the two entries below.
-pub(super) struct Factors {
+pub(crate) struct Pentadiagonal {
     pub band: Vec<[f64; 3]>,
 }
 
-impl Factors {
+impl Pentadiagonal {
+    /// Replaces the matrix, which must be positive definite but for rounding, by its factors.
     pub fn factor(&mut self) {
         let n = self.band.len();
         for k in 0..n {
@@ -26,6 +27,7 @@ impl Factors {
         }
     }
 
+    /// Solves with the factors, in place.
     pub fn solve(&self, b: &mut [f64]) {
         let n = b.len();
         for k in 0..n {
@@ -47,6 +49,36 @@ impl Factors {
                 value -= self.band[k][2] * b[k + 2];
             }
             b[k] = value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn solves_as_a_dense_solver_does() {
+        let mut rng = Pcg64::seed_from_u64(5);
+        for size in [0, 1, 2, 3, 17] {
+            let band: Vec<[f64; 3]> =
+                (0..size).map(|_| [5.0, rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0)]).collect();
+            let mut dense = DMatrix::zeros(size, size);
+            for (k, entries) in band.iter().enumerate() {
+                for (off, &entry) in entries.iter().enumerate().take(size - k) {
+                    (dense[(k, k + off)], dense[(k + off, k)]) = (entry, entry);
+                }
+            }
+            let right: Vec<f64> = (0..size).map(|_| rng.random_range(-1.0..1.0)).collect();
+            let mut factors = Pentadiagonal { band };
+            let mut x = right.clone();
+            factors.factor();
+            factors.solve(&mut x);
+            let oracle = dense.full_piv_lu().solve(&DVector::from_vec(right)).unwrap();
+            assert!(x.iter().zip(&oracle).all(|(a, b)| (a - b).abs() < 1e-13), "{size}: {x:?} {oracle}");
         }
     }
 }

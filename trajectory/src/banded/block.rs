@@ -17,7 +17,7 @@ const MIN_PIVOT: f64 = 1e-13;
 
 /// A block-tridiagonal symmetric matrix, or its factors.
 #[derive(Clone, Debug)]
-pub(super) struct Band {
+pub(crate) struct BlockTridiagonal {
     /// First unknown of each stage, and the number of unknowns.
     first: Vec<usize>,
     /// Where the panel of each stage begins.
@@ -33,7 +33,7 @@ pub(super) struct Band {
     scaled: Vec<f64>,
 }
 
-impl Band {
+impl BlockTridiagonal {
     /// A zero matrix over stages of these sizes; `signs` of the pivots, one an unknown.
     pub fn new(sizes: &[usize], signs: Vec<f64>) -> Self {
         let mut first = vec![0];
@@ -49,7 +49,7 @@ impl Band {
             stage.resize(unknowns, i as u32);
         }
         debug_assert_eq!(signs.len(), unknowns);
-        Band {
+        BlockTridiagonal {
             first,
             panel,
             stage,
@@ -208,7 +208,7 @@ fn take(
 }
 
 /// The sum of products, in four sums that do not wait for each other.
-pub(super) fn inner(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn inner(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
     let mut sums = [0.0; 4];
@@ -226,12 +226,12 @@ mod tests {
     use rand_pcg::Pcg64;
 
     /// A quasi-definite matrix over stages of the given (positive, negative) sizes, and the same as a dense one.
-    fn random(sizes: &[(usize, usize)], rng: &mut Pcg64) -> (Band, DMatrix<f64>) {
+    fn random(sizes: &[(usize, usize)], rng: &mut Pcg64) -> (BlockTridiagonal, DMatrix<f64>) {
         let whole: Vec<usize> = sizes.iter().map(|(p, n)| p + n).collect();
         let signs: Vec<f64> = sizes.iter().flat_map(|&(p, n)| [vec![1.0; p], vec![-1.0; n]].concat()).collect();
         let stages: Vec<usize> = whole.iter().enumerate().flat_map(|(i, &k)| vec![i; k]).collect();
         let n = signs.len();
-        let mut band = Band::new(&whole, signs.clone());
+        let mut band = BlockTridiagonal::new(&whole, signs.clone());
         let mut dense = DMatrix::zeros(n, n);
         for a in 0..n {
             for b in 0..=a {
@@ -276,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_pivot_of_nothing_is_replaced_and_counted() {
-        let mut band = Band::new(&[2, 1], vec![1.0, -1.0, 1.0]);
+        let mut band = BlockTridiagonal::new(&[2, 1], vec![1.0, -1.0, 1.0]);
         assert_eq!(band.factor(), 3);
         let mut x = [0.0; 3];
         band.solve(&mut x);

@@ -8,17 +8,17 @@ use curvlay_kinematics::nalgebra::{
 };
 use curvlay_kinematics::scene::Mount;
 use curvlay_kinematics::{
-    ArmModel, Cell, CellError, JointLimits, PoseError, Positioner, PositionerError, PositionerModel, TableCell,
+    ArmModel, JointLimits, PoseError, Positioner, PositionerError, PositionerModel, Setup, SetupError, TableSetup,
     Waypoint, nozzle_frame, pose_from_matrix, robots,
 };
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// The cell of the dissertation: a UR3 holds the part under a nozzle.
-fn ur3_cell(limits: JointLimits<6>) -> Cell {
+fn ur3_cell(limits: JointLimits<6>) -> Setup {
     let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
     let arm = arm(&ArmModel { limits, ..robots::UR3 });
-    Cell::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).unwrap()
+    Setup::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).unwrap()
 }
 
 fn positioner() -> Positioner {
@@ -26,14 +26,14 @@ fn positioner() -> Positioner {
 }
 
 /// Eight axes: an IRB 1200 with a nozzle over the table, or with the part under a nozzle on the table.
-fn table_cell(part_in_hand: bool, limits: JointLimits<6>) -> TableCell {
+fn table_cell(part_in_hand: bool, limits: JointLimits<6>) -> TableSetup {
     let arm = arm(&ArmModel { limits, ..robots::IRB1200 });
     if part_in_hand {
         let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 200.0), &-Vector3::z_axis());
-        return TableCell::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 30.0), positioner(), nozzle).unwrap();
+        return TableSetup::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 30.0), positioner(), nozzle).unwrap();
     }
     let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 150.0), &Vector3::z_axis());
-    TableCell::nozzle_in_hand(arm, nozzle, positioner(), Isometry3::translation(3.0, -2.0, 5.0)).unwrap()
+    TableSetup::nozzle_in_hand(arm, nozzle, positioner(), Isometry3::translation(3.0, -2.0, 5.0)).unwrap()
 }
 
 fn direction() -> impl Strategy<Value = UnitVector3<f64>> {
@@ -48,7 +48,7 @@ fn waypoint() -> impl Strategy<Value = Waypoint> {
 }
 
 /// Any of the four kinds of cell, the table somewhere.
-fn any_cell() -> impl Strategy<Value = Cell> {
+fn any_cell() -> impl Strategy<Value = Setup> {
     let table = prop::array::uniform2(-1.0..1.0f64);
     (0..3u32, table).prop_map(|(kind, table)| match kind {
         0 => ur3_cell(robots::UR3.limits),
@@ -197,11 +197,11 @@ fn the_wrist_stays_when_the_table_tilts_with_the_waypoint() {
 #[test]
 fn part_and_nozzle_are_where_they_are_fixed() {
     let [part, nozzle] = [Isometry3::translation(1.0, 2.0, 3.0), Isometry3::translation(4.0, 5.0, 6.0)];
-    let over = Cell::nozzle_in_hand(arm(&robots::UR3), nozzle, part).unwrap();
+    let over = Setup::nozzle_in_hand(arm(&robots::UR3), nozzle, part).unwrap();
     assert_eq!((over.part_frame(), over.nozzle_frame()), ((Mount::Base, part), (Mount::Link(6), nozzle)));
-    let over = TableCell::nozzle_in_hand(arm(&robots::UR3), nozzle, positioner(), part).unwrap();
+    let over = TableSetup::nozzle_in_hand(arm(&robots::UR3), nozzle, positioner(), part).unwrap();
     assert_eq!((over.part_frame(), over.nozzle_frame()), ((Mount::Table, part), (Mount::Link(6), nozzle)));
-    let under = TableCell::part_in_hand(arm(&robots::UR3), part, positioner(), nozzle).unwrap();
+    let under = TableSetup::part_in_hand(arm(&robots::UR3), part, positioner(), nozzle).unwrap();
     assert_eq!((under.part_frame(), under.nozzle_frame()), ((Mount::Link(6), part), (Mount::Table, nozzle)));
     // With the table somewhere, what it carries is in the base.
     let at = under.at(&[0.3, 0.4]).unwrap();
@@ -250,13 +250,13 @@ fn frames_and_numbers_that_cannot_be_are_named() {
     let far = Isometry3::translation(f64::NAN, 0.0, 0.0);
     let stretched = UnitQuaternion::new_unchecked(Quaternion::new(2.0, 0.0, 0.0, 0.0));
     let stretched = Isometry3::from_parts(Translation3::identity(), stretched);
-    assert_eq!(Cell::part_in_hand(arm, far, good), Err(CellError::Frame { frame: "flange_part" }));
-    assert_eq!(Cell::part_in_hand(arm, good, stretched), Err(CellError::Frame { frame: "base_nozzle" }));
-    assert_eq!(Cell::nozzle_in_hand(arm, stretched, good), Err(CellError::Frame { frame: "flange_nozzle" }));
-    assert_eq!(Cell::nozzle_in_hand(arm, good, far), Err(CellError::Frame { frame: "base_part" }));
+    assert_eq!(Setup::part_in_hand(arm, far, good), Err(SetupError::Frame { frame: "flange_part" }));
+    assert_eq!(Setup::part_in_hand(arm, good, stretched), Err(SetupError::Frame { frame: "base_nozzle" }));
+    assert_eq!(Setup::nozzle_in_hand(arm, stretched, good), Err(SetupError::Frame { frame: "flange_nozzle" }));
+    assert_eq!(Setup::nozzle_in_hand(arm, good, far), Err(SetupError::Frame { frame: "base_part" }));
     let table = positioner();
-    assert_eq!(TableCell::part_in_hand(arm, good, table, far), Err(CellError::Frame { frame: "table_nozzle" }));
-    assert_eq!(TableCell::nozzle_in_hand(arm, good, table, far), Err(CellError::Frame { frame: "table_part" }));
+    assert_eq!(TableSetup::part_in_hand(arm, good, table, far), Err(SetupError::Frame { frame: "table_nozzle" }));
+    assert_eq!(TableSetup::nozzle_in_hand(arm, good, table, far), Err(SetupError::Frame { frame: "table_part" }));
 
     let refused = |model: PositionerModel| Positioner::new(&model, &good).unwrap_err();
     let model = robots::IRBP_A250;
