@@ -1,7 +1,8 @@
 //! Which order of the cells prints best: one after the other is printed, until one passes all checks.
 
+use crate::args::Args;
 use crate::complete::LayersBy;
-use crate::{Args, Results};
+use crate::job::Results;
 use curvlay_examples::args::typed_name;
 use curvlay_examples::findings::percent;
 use curvlay_examples::table::Table;

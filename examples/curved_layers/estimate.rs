@@ -1,7 +1,7 @@
 //! Whether a stage fits into memory, estimated before it begins: a part in another unit, or beads of a micrometre, ask for
 //! hundreds of gigabytes.
 
-use crate::failure;
+use crate::args::failure;
 use crate::field::FieldRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;

@@ -22,10 +22,11 @@ use crate::input::Inputs;
 use crate::mesh::{Mesh, MeshError, MeshFault, MeshFile, Placement, Unit, Up, mesh_findings, read_mesh_file};
 use crate::output::{OutputError, OutputFolder};
 use crate::signals;
-use clap::error::ErrorKind;
-use clap::{ArgMatches, Args, Parser, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, Command, FromArgMatches, Parser, ValueEnum};
 use curvlay_layers::curved;
 use curvlay_voxel::{OrientReport, Resolution};
+use serde::Serialize;
 use std::env;
 use std::error::Error;
 use std::ffi::OsString;
@@ -42,7 +43,7 @@ pub struct Common {
     /// Folder for the results [default: target/out/ and the name of the example]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads to work on; the results do not depend on it
+    /// Number of threads; the results do not depend on it
     #[arg(long, value_name = "N", default_value_t = cores(), value_parser = threads, allow_negative_numbers = true)]
     pub threads: usize,
     /// No progress bars
@@ -81,17 +82,16 @@ pub struct MeshArgs {
     /// Unit of the numbers in the file
     #[arg(long, default_value = "mm")]
     pub unit: Unit,
-    /// Makes the part this many times as large
+    /// Factor by which the part is enlarged
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub scale: f64,
-    /// The axis of the file that points up
+    /// Axis of the file that points up
     #[arg(long, default_value = "z", allow_hyphen_values = true)]
     pub up: Up,
-    /// Takes a part of more than 10 m
+    /// Accepts a part larger than 10 m
     #[arg(long)]
     pub allow_large: bool,
-    /// Accepts a mesh that may be read as another part (open, or with shells or sheets of unclear meaning): without this option the
-    /// exit status is 3
+    /// Accepts an ambiguous mesh (open, or with shells or sheets of unclear meaning); otherwise the exit status is 3
     #[arg(long)]
     pub allow_guesses: bool,
 }
@@ -216,8 +216,8 @@ impl MeshArgs {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cells and their order")]
 pub struct VoxelArgs {
-    /// Wanted number of cells; the nearest that can be reached is taken [default: as many as make a cell as high as a layer, but
-    /// 100,000 at most, and for large parts as many as make it four layers high]
+    /// Number of cells to aim for [default: as many as make a cell as high as a layer, but 100,000 at most; for large parts as many as
+    /// make a cell four layers high]
     #[arg(long, value_name = "N", conflicts_with = "cell", value_parser = count, allow_negative_numbers = true)]
     pub voxels: Option<u64>,
     /// Edge of a cell in millimetres
@@ -237,8 +237,8 @@ impl VoxelArgs {
 #[command(next_help_heading = "Cells and their order")]
 pub struct GrowArgs {
     /// Depth inside the hull from which a cell counts as shadowed, in cells
-    #[arg(long, value_name = "CELLS", default_value_t = 1.0, value_parser = eps, allow_negative_numbers = true)]
-    pub eps: f64,
+    #[arg(long = "eps", value_name = "CELLS", default_value_t = 1.0, value_parser = eps, allow_negative_numbers = true)]
+    pub eps_cells: f64,
     /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
     #[arg(long)]
     pub beyond_eps: bool,
@@ -298,31 +298,30 @@ pub enum Prevention {
 }
 
 /// What may be wrong before the exit status is 3.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Serialize)]
 #[command(next_help_heading = "What may be wrong")]
 pub struct AllowArgs {
-    /// Share of the part's volume that may be missed before the exit status is 3
+    /// Maximum share of the volume of the part in missed cells; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
     pub allow_missed: f64,
-    /// How far the volume laid may be off that of the part, as a share of it, before the exit status is 3; also without what is
-    /// missed
+    /// Maximum deviation of the deposited volume from that of the part, with and without missed cells, as a share; more sets exit status
+    /// 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_volume: f64,
-    /// Share of the waypoints at which the nozzle may gouge before the exit status is 3
+    /// Maximum share of waypoints at which the nozzle gouges; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
     pub allow_gouging: f64,
-    /// Share of the length of the paths that may be left out before the exit status is 3
+    /// Maximum share of the path length that is left out; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3, value_parser = share, allow_negative_numbers = true)]
     pub allow_left_out: f64,
-    /// Share of the length of the beads that may lie on nothing before the exit status is 3; spans that are held at both ends are
-    /// not counted
+    /// Maximum share of the bead length that is unsupported, without spans held at both ends; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 5e-3, value_parser = share, allow_negative_numbers = true)]
     pub allow_unsupported: f64,
-    /// How long a piece of a bead that lies on nothing may be before the exit status is 3, in widths of a bead
+    /// Maximum length of a single unsupported piece, in bead widths; more sets exit status 3
     #[arg(long, value_name = "BEADS", default_value_t = 40.0, value_parser = from_zero, allow_negative_numbers = true)]
     pub allow_unsupported_beads: f64,
-    /// Share of the length of the paths that no robot program may print before the exit status is 3: out of reach, in the robot's way,
-    /// without a transfer, or withheld
+    /// Maximum share of the path length that no robot program prints (unreachable, colliding, without a transfer, or withheld); more sets
+    /// exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share, allow_negative_numbers = true)]
     pub allow_unprinted: f64,
 }
@@ -462,30 +461,19 @@ const CHECK_FAILED: u8 = 3;
 /// 0: done (help and version, too). 1: `main` failed, one line on stderr says at what. 2: the arguments cannot be
 /// used, one line on stderr says which. 3: done, but checks failed, each with its line on stderr.
 pub fn run_with_args<A: Parser>(main: impl FnOnce(A) -> Result<Outcome, Failure>) -> ExitCode {
-    run_on(env::args_os(), |_| Ok(()), main)
+    run_command(A::command(), env::args_os(), |args, _| main(args))
 }
 
-/// The same for arguments that do not all go together: `check` gets them with where they come from, and says in words
-/// which of them do not.
-pub fn run_with_checked_args<A: Parser>(
-    check: impl FnOnce(&ArgMatches) -> Result<(), String>,
-    main: impl FnOnce(A) -> Result<Outcome, Failure>,
-) -> ExitCode {
-    run_on(env::args_os(), check, main)
-}
-
-/// The same on a command line of its own; the first word is the name of the program.
-pub fn run_on<A: Parser>(
+/// The same for a command that is more than its declaration, on a command line whose first word is the name of the program. `main` gets
+/// the matches, too: they know [what was typed](is_typed).
+pub fn run_command<A: FromArgMatches>(
+    command: Command,
     words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
-    check: impl FnOnce(&ArgMatches) -> Result<(), String>,
-    main: impl FnOnce(A) -> Result<Outcome, Failure>,
+    main: impl FnOnce(A, &ArgMatches) -> Result<Outcome, Failure>,
 ) -> ExitCode {
-    let parsed = A::command().try_get_matches_from(words).and_then(|matches| {
-        check(&matches).map_err(|why| A::command().error(ErrorKind::ArgumentConflict, why))?;
-        A::from_arg_matches(&matches)
-    });
+    let parsed = command.try_get_matches_from(words).and_then(|matches| Ok((A::from_arg_matches(&matches)?, matches)));
     match parsed {
-        Ok(args) => run(|| main(args)),
+        Ok((args, matches)) => run(|| main(args, &matches)),
         Err(error) if !error.use_stderr() => {
             // Help; if it cannot be written, nobody is there to read it.
             let _ = error.print();
@@ -496,6 +484,11 @@ pub fn run_on<A: Parser>(
             ExitCode::from(ARGUMENTS)
         }
     }
+}
+
+/// Whether an option was typed, rather than left at its default. What is no option was not.
+pub fn is_typed(matches: &ArgMatches, id: &str) -> bool {
+    matches.ids().any(|known| known == id) && matches.value_source(id) == Some(ValueSource::CommandLine)
 }
 
 /// Runs `main` and turns its end into an exit status, as [`run_with_args`].

@@ -4,26 +4,24 @@
 //! C. Dai 2020, sections 2.5, 3.5.3 and 4.3. The planning is that of [`curvlay_trajectory::print`]; what stands in the
 //! cell while the part grows is that of [`GrowingScene`], and here is the check of what has been written (`check`).
 
+pub mod args;
 pub mod check;
 pub mod read_back;
 
-use crate::failure;
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::outputs::motion::read_csv;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
+use args::{MotionArgs, ProgramFormat};
 use check::Checked;
-use clap::ValueEnum;
-use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
+use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::input;
 use curvlay_examples::motion::{
-    OnCell, PlacedPaths, PrintingCell, TABLE_CELL, UR3_CELL, bounds_of, home, link_mesh, programs, table_options,
-    waypoints,
+    OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, table_options, waypoints,
 };
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell, WorkcellModel,
+    AnyWorkcell, EightAxisCell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell,
 };
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
 use curvlay_layers::curved::surface::SavedField;
@@ -35,133 +33,14 @@ use nalgebra::Isometry3;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::io::BufRead;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// How deep the nozzle may be in a layer on a planned motion, as a share of its height: motions are checked with a little more,
 /// at more places.
 const PLANNED_DEPTH: f64 = 0.24;
 
-/// A nozzle with a longer cone than that of the workcell has a block of this height at least, in millimetres.
-const MIN_BLOCK_MM: f64 = 1.0;
-
 /// How far the nozzle may leave its path, as a share of layer height or bead: what gouging allows as well.
 const TOLERANCE_SHARE: f64 = 0.25;
-
-/// Which cell, and what its controller is given.
-#[derive(clap::Args, Clone, Debug)]
-#[command(next_help_heading = "Motion of a robot")]
-pub struct MotionArgs {
-    /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
-    #[arg(long, conflicts_with = "workcell")]
-    pub cell8: bool,
-    /// Plans the motion in the workcell of a JSON file; docs/formats.md describes it, examples/cells has three
-    #[arg(long, value_name = "FILE")]
-    pub workcell: Option<PathBuf>,
-    /// The robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with a
-    /// table]
-    #[arg(long, value_name = "FORMAT")]
-    pub program: Option<ProgramFormat>,
-    /// Acceleration of a joint at most, in rad/s2; inf for no limit [default: what the workcell says; 10 in those that come
-    /// along: makers of arms publish none, and MoveIt assumes 10 then]
-    #[arg(long, value_name = "RAD_S2", value_parser = limit, allow_negative_numbers = true)]
-    pub acceleration: Option<f64>,
-    /// Jerk of a joint at most, in rad/s3; inf for no limit [default: what the workcell says; 100 in those that come along, as
-    /// MoveIt assumes]
-    #[arg(long, value_name = "RAD_S3", value_parser = limit, allow_negative_numbers = true)]
-    pub jerk: Option<f64>,
-    /// Volume that the extruder lays a second at most, in mm3/s; where the plan asks for more, the nozzle goes slower
-    #[arg(long, value_name = "MM3_S", default_value_t = f64::INFINITY, value_parser = limit, allow_negative_numbers = true)]
-    pub max_flow: f64,
-    /// How fast that volume may change, in mm3/s2
-    #[arg(long, value_name = "MM3_S2", default_value_t = f64::INFINITY, value_parser = limit, allow_negative_numbers = true)]
-    pub max_flow_ramp: f64,
-    /// How far the nozzle may leave its path between waypoints, in millimetres [default: a quarter of the layer height or of the
-    /// bead, whichever is less]
-    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
-    pub tolerance: Option<f64>,
-    /// How far arm, part and everything that stands there keep apart, in millimetres; the nozzle touches the part where it prints
-    #[arg(long, value_name = "MM", default_value_t = GrowingOptions::MARGIN_MM, value_parser = from_zero, allow_negative_numbers = true)]
-    pub margin: f64,
-    /// How much thicker the links of the arm are than their bodies, in millimetres, for cables and hoses [default: what the
-    /// workcell says; 10 if it says nothing]
-    #[arg(long, value_name = "MM", value_parser = from_zero, allow_negative_numbers = true)]
-    pub link_allowance: Option<f64>,
-    /// Plans without the bodies of the arm, whatever it touches: then no motion is proven free of collisions. Without this, an arm
-    /// whose bodies are not known is refused
-    #[arg(long)]
-    pub no_links: bool,
-    /// Most steps of a program file; a motion that is longer has a file of its own [default: 100000, of RAPID 5000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub program_steps: Option<u32>,
-}
-
-/// What a program is written in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ProgramFormat {
-    /// For arms of Universal Robots without a table: joints 125 times a second
-    Urscript,
-    /// For ABB arms: targets on the part, with the axes of a table
-    Rapid,
-    /// The same steps with every digit, for other programs
-    Csv,
-    /// None
-    None,
-}
-
-impl MotionArgs {
-    /// The workcell; with another nozzle, if one was asked for.
-    pub fn cell(&self, nozzle: Option<[f64; 4]>) -> Result<AnyWorkcell, Failure> {
-        let named = |error: String| match &self.workcell {
-            Some(file) => failure(format!("{}: {error}", file.display())),
-            None => failure(error),
-        };
-        let text = match &self.workcell {
-            Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
-            None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
-        };
-        let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;
-        if let Some([tip, angle, height, block]) = nozzle {
-            let shape = &mut model.nozzle;
-            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (tip, angle);
-            (shape.cone_height_mm, shape.block_diameter_mm) = (height, block);
-            shape.block_top_mm = shape.block_top_mm.max(height + MIN_BLOCK_MM);
-        }
-        if let Some(allowance_mm) = self.link_allowance {
-            model.arm.allowance_mm = allowance_mm;
-        }
-        let folder = self.workcell.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        AnyWorkcell::with_link_meshes(model, &mut |file| link_mesh(folder, file))
-            .map_err(|error| named(error.to_string()))
-    }
-
-    /// Refuses an arm without bodies, unless that is wanted.
-    pub fn check_links(&self, cell: &AnyWorkcell) -> Result<(), Failure> {
-        if self.no_links || cell.equipment().link_bodies().is_some() {
-            return Ok(());
-        }
-        let file = self.workcell.as_ref().map_or_else(String::new, |file| format!("{}: ", file.display()));
-        Err(failure(format!(
-            "{file}arm: the bodies of its links are not known, so no motion can be proven free of collisions; give `arm.bodies` \
-             (docs/formats.md), or --no-links to plan without"
-        )))
-    }
-
-    /// The format that is wanted.
-    pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
-        let takes_stream = programs::takes_stream(cell.equipment());
-        let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
-        match (self.program, takes_stream) {
-            (None, Ok(true)) => Ok(ProgramFormat::Urscript),
-            (None, Ok(false)) => Ok(ProgramFormat::Rapid),
-            (None, Err(_)) => Ok(ProgramFormat::Csv),
-            (Some(ProgramFormat::Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
-            (Some(ProgramFormat::Urscript), Err(why)) => refused(&format!("urscript: {why}")),
-            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
-            (Some(format), _) => Ok(format),
-        }
-    }
-}
 
 /// What came of the stage, by the kind of cell.
 pub enum Motion {
@@ -253,8 +132,8 @@ pub struct Print<'a> {
     pub nozzle: &'a Nozzle,
     /// Diameter of the filament.
     pub filament_mm: f64,
-    /// Speed of travels at most, in mm/s, where the user asks for one.
-    pub travel_mm_s: Option<f64>,
+    /// Maximum speed of travels, in mm/s.
+    pub travel_mm_s: f64,
     pub field: &'a FieldRun,
     pub surfaces: &'a SurfacesRun,
     pub paths: &'a PathsRun,
@@ -263,14 +142,15 @@ pub struct Print<'a> {
 
 impl Print<'_> {
     fn limits<const N: usize>(&self, limits: &JointLimits<N>) -> PrintLimits<N> {
-        let MotionArgs { acceleration, jerk, max_flow, max_flow_ramp, tolerance, .. } = *self.args;
+        let MotionArgs { acceleration_rad_s2, jerk_rad_s3, max_flow_mm3_s, max_flow_ramp_mm3_s2, tolerance, .. } =
+            *self.args;
         let bounds = bounds_of(limits);
         let wanted = |limits: [f64; N], wanted: Option<f64>| wanted.map_or(limits, |limit| [limit; N]);
-        let (acceleration, jerk) = (wanted(bounds.acceleration, acceleration), wanted(bounds.jerk, jerk));
+        let (acceleration, jerk) = (wanted(bounds.acceleration, acceleration_rad_s2), wanted(bounds.jerk, jerk_rad_s3));
         PrintLimits {
             bounds: Bounds { acceleration, jerk, ..bounds },
-            max_flow_mm3_s: max_flow,
-            max_flow_ramp_mm3_s2: max_flow_ramp,
+            max_flow_mm3_s,
+            max_flow_ramp_mm3_s2,
             filament_mm2: PI * self.filament_mm * self.filament_mm / 4.0,
             tolerance_mm: tolerance.unwrap_or(TOLERANCE_SHARE * self.surfaces.height_mm.min(self.paths.bead_mm)),
             // The lower edge of the block.
@@ -278,11 +158,10 @@ impl Print<'_> {
         }
     }
 
-    /// Options with travels no faster than the user asks for.
+    /// Options with travels no faster than that.
     fn unhurried<const N: usize, const F: usize>(&self, options: &PrintOptions<N, F>) -> PrintOptions<N, F> {
         let TipSpeed { near_mm_s, far_mm_s, near_mm } = options.tip_speed;
-        let [near_mm_s, far_mm_s] =
-            [near_mm_s, far_mm_s].map(|limit| self.travel_mm_s.map_or(limit, |mm_s| limit.min(mm_s)));
+        let [near_mm_s, far_mm_s] = [near_mm_s, far_mm_s].map(|limit| limit.min(self.travel_mm_s));
         PrintOptions { tip_speed: TipSpeed { near_mm_s, far_mm_s, near_mm }, ..*options }
     }
 

@@ -4,6 +4,7 @@
 
 mod build;
 mod field;
+mod files;
 mod machine;
 pub mod motion;
 mod paths;
@@ -12,8 +13,10 @@ mod pictures;
 mod programs;
 mod surfaces;
 
+use crate::args::{Extra, Stage, failure};
+use crate::job::{Job, Posed, Results};
 use crate::motion::{Motion, of_run};
-use crate::{Extra, Job, Posed, Results, Stage, failure, ranges};
+use crate::ranges;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::orienting::COMMENT;
 use curvlay_examples::output::{OutputFolder, SUMMARY};
@@ -21,9 +24,8 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::Model;
-use curvlay_toolpath::gcode::Written;
 use curvlay_toolpath::surface::FilledLayer;
-use programs::Programs;
+pub use files::Files;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -68,20 +70,6 @@ const NAMES: [&str; 28] = [
 /// Whether a file of this name is one that a run may write.
 pub fn is_ours(name: &str) -> bool {
     NAMES.contains(&name) || programs::is_ours(name)
-}
-
-/// What stands in the machine file and in the programs.
-#[derive(Default)]
-pub struct Files {
-    gcode: Option<Written>,
-    programs: Option<Programs>,
-}
-
-impl Files {
-    /// Whether programs were written and read again.
-    fn has_read_programs(&self) -> bool {
-        self.programs.as_ref().is_some_and(|programs| programs.read.is_some())
-    }
 }
 
 /// Writes the motion itself, which is checked before all else is written.
