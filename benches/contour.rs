@@ -3,7 +3,7 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{ExtendedField, LayerField, contour, extend, measure_spacing};
 use curvlay_voxel::VoxelGrid;
 use nalgebra::{Point3, Vector3};

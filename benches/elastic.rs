@@ -4,7 +4,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_benches::hollow_ball;
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::elastic::{Elastic, ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic};
 use curvlay_layers::nalgebra::{DMatrix, Matrix3, Vector3};
 use curvlay_voxel::VoxelGrid;

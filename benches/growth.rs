@@ -5,8 +5,9 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_benches::hollow_ball;
 use curvlay_hull::{ConvexHull, Depth};
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    Cells, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions, audit, grow, peel, unbuild,
+    GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions, audit, grow, peel, unbuild,
 };
 use std::hint::black_box;
 use std::ops::ControlFlow;

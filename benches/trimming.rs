@@ -3,8 +3,8 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::nalgebra::Point3;
+use curvlay_layers::trim::Trimmer;
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 use parry3d_f64::transformation::intersect_meshes;

@@ -7,7 +7,8 @@
 use curvlay_examples::args::{Failure, Outcome, run, warn_if_open};
 use curvlay_examples::input::Inputs;
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
-use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
+use curvlay_layers::cells::Cells;
+use curvlay_layers::curved::{Guides, Platform, Rules, Workpiece};
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
 use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};

@@ -5,12 +5,14 @@
 //! ```
 
 use curvlay_examples::args::{self, Failure, Outcome};
-use curvlay_examples::motion::{OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of};
-use curvlay_examples::motion::{programs, table_options};
+use curvlay_examples::motion::{
+    OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of, programs, table_options,
+};
 use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
-use curvlay_layers::curved::{Cells, Guides, Platform, Rules, Workpiece};
+use curvlay_layers::cells::Cells;
+use curvlay_layers::curved::{Guides, Platform, Rules, Workpiece};
 use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};

@@ -17,9 +17,10 @@ use super::thesis;
 use curvlay_examples::args::{Failure, Outcome};
 use curvlay_examples::bars::Bars;
 use curvlay_layers::Progress;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    AuditReport, Candidates, Cells, Growth, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions,
-    Visit, audit, grow, peel, unbuild,
+    AuditReport, Candidates, Growth, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions, Visit,
+    audit, grow, peel, unbuild,
 };
 use curvlay_layers::planar::{UniformSlicing, slice_uniformly};
 use curvlay_voxel::TextGrid;

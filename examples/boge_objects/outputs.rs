@@ -12,7 +12,7 @@ use curvlay_examples::render::{LayeredCells, Plane, draw_cut};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::{Summary, SummaryError};
 use curvlay_examples::table::Table;
-use curvlay_layers::curved::LayerOrder;
+use curvlay_layers::cells::LayerOrder;
 use curvlay_voxel::TextGrid;
 use std::io::{self, Write};
 use std::time::Duration;

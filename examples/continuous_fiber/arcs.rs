@@ -10,7 +10,7 @@ use super::tapes::Planned;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::nalgebra::{Point3, Vector3};
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::elastic::{
     Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Orthotropic, Ply, Region, Strip, Support, load_factor,
     plies, solve_composite,

@@ -5,9 +5,11 @@ use super::layer::{PartLayers, WORST};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::nalgebra::{Point3, Vector3};
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::LayerField;
-use curvlay_layers::curved::{Cells, CompleteOptions, Guides, LayersBy, Workpiece};
-use curvlay_layers::elastic::{FollowOptions, layer_normal, load_angle, load_field};
+use curvlay_layers::curved::{
+    CompleteOptions, FollowOptions, Guides, LayersBy, Workpiece, layer_normal, load_angle, load_field,
+};
 use std::io::{self, Write};
 
 /// Directions of growth across the largest stresses.

@@ -7,10 +7,11 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
-use curvlay_layers::curved::{Cells, Guides, LayeredPart, Platform, Rules, Workpiece};
+use curvlay_layers::cells::Cells;
+use curvlay_layers::curved::{Guides, LayeredPart, Platform, Rules, Workpiece, layer_normal};
 use curvlay_layers::elastic::{
-    Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, layer_normal, load_factor,
-    plies, solve_composite, solve_elastic, stress_matrix,
+    Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, load_factor, plies,
+    solve_composite, solve_elastic, stress_matrix,
 };
 use curvlay_toolpath::surface::{
     DirectionField, LayerStress, LayerSurface, LayerTapes, Principal, PrincipalAngle, StressOptions, StressSample,

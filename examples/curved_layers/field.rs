@@ -9,10 +9,11 @@ use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::mesh::UNCERTAIN_SHARE;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, Cells, CompleteOptions, CompletePart, Growth, Guides, Impossible, JudgedByNozzle, LayerQuality,
-    LayersBy, Neighbours, NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, SupportCells, Workpiece,
+    AuditReport, CompleteOptions, CompletePart, Growth, Guides, Impossible, JudgedByNozzle, LayerQuality, LayersBy,
+    Neighbours, NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, SupportCells, Workpiece,
     audit_with_nozzle, check_impossible, layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};

@@ -2,7 +2,8 @@
 
 use crate::failure;
 use curvlay_examples::args::{Failure, Part};
-use curvlay_layers::curved::{Cells, Platform};
+use curvlay_layers::cells::Cells;
+use curvlay_layers::curved::Platform;
 use curvlay_toolpath::surface;
 use curvlay_voxel::{VoxelGrid, VoxelOptions, Voxelisation};
 use nalgebra::{Point3, Vector3};

@@ -5,12 +5,12 @@ use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::input::{self, InputError};
 use curvlay_examples::mesh::Mesh;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{
     LayerField, PrintAids, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field,
 };
 use curvlay_layers::curved::{
-    Cells, Growth, LayerSurfaces, LayeredPart, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet,
-    Workpiece,
+    Growth, LayerSurfaces, LayeredPart, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet, Workpiece,
 };
 use curvlay_layers::nalgebra::Vector3;
 use curvlay_toolpath::surface::{DirectionHints, LayerSurface};

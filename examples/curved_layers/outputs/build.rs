@@ -8,7 +8,7 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::motion::shown;
 use curvlay_examples::viewer::{Mark, Marks, Mesh, Model};
 use curvlay_kinematics::workcell::Workcell;
-use curvlay_layers::curved::trim::{BoundaryKind, TrimmedSheet};
+use curvlay_layers::trim::{BoundaryKind, TrimmedSheet};
 use curvlay_toolpath::surface::LayerSurface;
 use nalgebra::Point3;
 

@@ -7,7 +7,7 @@ use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::render::{Camera, Image, Scene, layer_colour, ramp};
 use curvlay_layers::curved::surface::Spacing;
-use curvlay_layers::curved::trim::TrimmedSheet;
+use curvlay_layers::trim::TrimmedSheet;
 use curvlay_toolpath::surface::{SurfaceDistance, SurfaceMesh};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;

@@ -17,68 +17,48 @@
 //! `[x, y, z]` is the lattice point `[2x + 1, 2y + 1, 2z + 1]`, and the plate under the part is the plane `z = 0`.
 
 mod audit;
-mod best;
-mod bits;
-mod body;
-mod boxes;
-mod cells;
-mod coherent_part;
-mod complete;
-mod contact;
-mod directions;
+mod buildable;
+
 mod distance;
-mod distance_part;
 mod growth;
-mod guides;
-mod heights;
 mod impossible;
-mod mould;
+mod load;
 mod nozzle;
-mod order;
 pub mod orient;
-mod peel;
-mod platform;
+mod part;
 mod quality;
-mod rules;
-mod runs;
-mod skin;
-mod standing;
 mod strategy;
 mod support;
 pub mod surface;
-pub mod trim;
 mod unbuild;
-mod watch;
-mod workpiece;
 
 pub use audit::{
     AuditError, AuditReport, Fault, FaultCounts, JudgedByNozzle, ProofError, audit, audit_with_nozzle, check_impossible,
 };
-pub use best::{WORTH, WORTH_MISSED};
-pub(crate) use cells::set_bits;
-pub use cells::{Cells, CellsError};
-pub use complete::{
-    CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet, SupportCells,
-};
-pub use directions::{CellDirections, DirectionAt, DirectionsError};
+pub use buildable::platform::{Platform, PlatformError};
+pub use buildable::rules::{Neighbours, Rules, RulesError};
 pub use distance::{
     DirectedOptions, DistanceOrder, STEPS_PER_LAYER, distance_field, distance_layers, grow_by_distance,
     grow_by_heights, grow_directed,
 };
 pub use growth::{
-    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, Prevention, Visit,
-    grow, grow_as_printed,
+    Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, MissedCell, MissedReason, NozzleCell, PeelError,
+    Prevention, SheetField, Visit, grow, grow_as_printed, peel,
 };
-pub use guides::Guides;
-pub use heights::HeightsError;
 pub use impossible::{Impossible, prove_impossible};
-pub use nozzle::{DIRECTIONS, NozzleCell, NozzleRule, NozzleRuleError, grow_with_nozzle};
-pub use order::LayerOrder;
-pub use peel::{PeelError, SheetField, peel};
-pub use platform::{Platform, PlatformError};
+pub use load::{FollowError, FollowOptions, LoadAngle, LoadField, layer_normal, load_angle, load_field};
+pub use nozzle::{DIRECTIONS, NozzleRule, NozzleRuleError, grow_with_nozzle};
+pub use part::best::{WORTH, WORTH_MISSED};
+pub use part::complete::{
+    CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet, SupportCells,
+};
+pub use part::directions::{CellDirections, DirectionAt, DirectionsError};
+pub use part::guides::Guides;
+pub use part::heights::HeightsError;
+pub use part::workpiece::{
+    EVEN_THICKNESS, LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece,
+};
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
-pub use rules::{Neighbours, Rules, RulesError};
 pub use strategy::Strategy;
 pub use support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh};
 pub use unbuild::{UnbuildOptions, unbuild};
-pub use workpiece::{EVEN_THICKNESS, LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece};

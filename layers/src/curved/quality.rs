@@ -3,7 +3,8 @@
 //! A layer is laid down patch by patch, and between two patches the nozzle travels. Of two orders that build the
 //! same cells, the one with fewer and larger patches prints better.
 
-use super::{Cells, LayerOrder, Neighbours};
+use super::Neighbours;
+use crate::cells::{Cells, LayerOrder};
 
 /// A patch of fewer cells is small: 20 cells are a disc five cells across, too little for the nozzle to start, turn
 /// and stop on, so it comes out as a blob. A larger limit would count patches that print well, a smaller one would
@@ -42,7 +43,8 @@ pub struct LayerQuality {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, LayerOrder, Neighbours, layer_quality};
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{Neighbours, layer_quality};
 /// let cells = Cells::new([40, 1, 1], &[(1 << 40) - 1])?;
 /// let mut order = LayerOrder::new();
 /// order.push((0..30).filter(|&x| x != 5)); // a patch of 5 cells and one of 24
@@ -51,7 +53,7 @@ pub struct LayerQuality {
 /// assert_eq!((quality.patches, quality.patches_per_layer), (3, 1.5));
 /// assert_eq!(quality.small_patch_cells, 15);
 /// assert_eq!(quality.small_patch_share, 15.0 / 39.0);
-/// # Ok::<(), curvlay_layers::curved::CellsError>(())
+/// # Ok::<(), curvlay_layers::cells::CellsError>(())
 /// ```
 pub fn layer_quality(cells: &Cells, order: &LayerOrder, neighbours: Neighbours) -> LayerQuality {
     let dims = cells.dims();

@@ -5,13 +5,13 @@
 //! So the best one is incremental unless that misses cells and un-building fills more of the part
 //! ([`Workpiece::order`](super::Workpiece::order)).
 
-use super::cells::Cells;
 use super::growth::{Growth, GrowthError, GrowthOptions, Prevention, grow, grow_as_printed};
-use super::peel::{PeelError, peel};
-use super::platform::Platform;
-use super::rules::Rules;
 use super::unbuild::{UnbuildOptions, unbuild};
 use crate::Progress;
+use crate::cells::Cells;
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::growth::{PeelError, peel};
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -57,11 +57,12 @@ impl Strategy {
     /// [`GrowthError`]; cells that cannot be built are listed with the reason.
     ///
     /// # Cost
-    /// That of [`grow`], [`peel`](super::peel()) or [`unbuild`].
+    /// That of [`grow`], [`peel`](crate::curved::growth::peel()) or [`unbuild`].
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, Platform, Rules, Strategy};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::{Platform, Rules, Strategy};
     /// use std::ops::ControlFlow;
     /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
     /// let platform = Platform::under(&cells, 10.0)?;

@@ -13,7 +13,7 @@ use super::material::stress_matrix;
 use super::orthotropic::{Orthotropic, axes, laminate, rotated};
 use super::{Elastic, ElasticError, ElasticOptions, ElasticPart, Laws, solve};
 use crate::Progress;
-use crate::curved::Cells;
+use crate::cells::Cells;
 use nalgebra::{Matrix6, Point3, UnitVector3, Vector3};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -71,7 +71,7 @@ pub struct Plies {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::Cells;
+/// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::elastic::{Strip, plies};
 /// use curvlay_layers::nalgebra::{Point3, Vector3};
 /// // A tape whose middle lies on the face between two layers of cells: half of it in each.
@@ -188,7 +188,7 @@ impl Spread<'_> {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::Cells;
+/// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::elastic::*;
 /// use curvlay_layers::nalgebra::Vector3;
 /// // A bar of 2 x 2 x 10 cells with a tape along it in a tenth of each cell: the rule of mixtures.

@@ -2,7 +2,7 @@
 
 use super::material::Stiffness;
 use super::nodes::{EIGHT, NONE, Points};
-use super::parallel::map;
+use crate::parallel::map;
 use std::collections::HashMap;
 
 /// Cells with their stiffness.

@@ -12,29 +12,26 @@
 //! slanted or round border they may be off by far more.
 
 mod composite;
-mod elements;
+pub(crate) mod elements;
 mod error;
-mod follow;
 mod given;
 mod held;
-mod material;
+pub(crate) mod material;
 mod multigrid;
-mod nodes;
+pub(crate) mod nodes;
 mod operator;
 mod orthotropic;
-mod parallel;
 mod solve;
 mod transfer;
 
 pub use composite::{Bond, Plies, Ply, Strip, load_factor, plies, solve_composite, traction};
 pub use error::{ElasticError, Given};
-pub use follow::{FollowError, FollowOptions, LoadAngle, LoadField, layer_normal, load_angle, load_field};
 pub use given::{Load, Region, Support};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
 pub use orthotropic::{Orthotropic, laminate};
 
-use crate::Progress;
-use crate::curved::Cells;
+use crate::cells::Cells;
+use crate::{Progress, parallel};
 use elements::Elements;
 use given::Places;
 use multigrid::{Multigrid, free, minus};
@@ -142,7 +139,7 @@ impl Elastic {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::Cells;
+/// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::elastic::{ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic};
 /// // A bar of 2 x 2 x 10 cells of 1 mm that stands on the plate and is pulled upwards by 40 N: 10 MPa.
 /// let rows = [0b11; 20];
@@ -241,7 +238,7 @@ fn solve(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::Cells;
+/// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::elastic::{Region, Support, supported_cells};
 /// let cells = Cells::new([4, 1, 1], &[0b1011])?; // the last one stands alone
 /// let rows = supported_cells(&cells, 1.0, &[Support::fixed(Region::plane(0, 0.0))])?;

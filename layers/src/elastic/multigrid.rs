@@ -9,8 +9,8 @@
 use super::elements::Elements;
 use super::nodes::Points;
 use super::operator::{Operator, Triple};
-use super::parallel::{fill, sum, update};
 use super::transfer::Transfer;
+use crate::parallel::{fill, sum, update};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Degree of the smoother: steps before and after each visit of the coarser levels. One step needs more iterations than it saves; three

@@ -1,23 +1,23 @@
 //! The nodes of a set of cells: their corners, each once.
 
-use super::parallel::map;
+use crate::parallel::map;
 
 /// No node, or no cell.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// Numbers of lattice points that are there, rising, to be found by place.
 #[derive(Debug)]
-pub(super) struct Points {
+pub(crate) struct Points {
     dims: [u32; 3],
     /// `x + nx * (y + ny * z)` of each.
-    pub(super) ids: Vec<u32>,
+    pub(crate) ids: Vec<u32>,
     /// Where each row begins in `ids`.
     rows: Vec<u32>,
 }
 
 impl Points {
     /// `ids` are rising.
-    pub(super) fn new(dims: [u32; 3], ids: Vec<u32>) -> Self {
+    pub(crate) fn new(dims: [u32; 3], ids: Vec<u32>) -> Self {
         let mut rows = vec![0; dims[1] as usize * dims[2] as usize + 1];
         ids.iter().for_each(|id| rows[(id / dims[0]) as usize + 1] += 1);
         for row in 1..rows.len() {
@@ -27,7 +27,7 @@ impl Points {
     }
 
     /// The corners of cells.
-    pub(super) fn corners(cells: &Points) -> Self {
+    pub(crate) fn corners(cells: &Points) -> Self {
         let dims = cells.dims.map(|side| side + 1);
         let places = (0..8).flat_map(|k| {
             (0..cells.len()).map(move |cell| {
@@ -42,7 +42,7 @@ impl Points {
     }
 
     /// The cells of a grid of twice the size that hold these cells.
-    pub(super) fn halved(&self) -> Self {
+    pub(crate) fn halved(&self) -> Self {
         let dims = self.dims.map(|side| side.div_ceil(2));
         let place = |cell: usize| self.place(cell).map(|k| k / 2);
         let mut ids: Vec<u32> = (0..self.len()).map(place).map(|[x, y, z]| x + dims[0] * (y + dims[1] * z)).collect();
@@ -51,18 +51,18 @@ impl Points {
         Points::new(dims, ids)
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.ids.len()
     }
 
-    pub(super) fn place(&self, index: usize) -> [u32; 3] {
+    pub(crate) fn place(&self, index: usize) -> [u32; 3] {
         let [nx, ny, _] = self.dims;
         let id = self.ids[index];
         [id % nx, id / nx % ny, id / nx / ny]
     }
 
     /// Where the point at a place is in `ids`, or [`NONE`].
-    pub(super) fn find(&self, [x, y, z]: [u32; 3]) -> u32 {
+    pub(crate) fn find(&self, [x, y, z]: [u32; 3]) -> u32 {
         let [nx, ny, nz] = self.dims;
         if x >= nx || y >= ny || z >= nz {
             return NONE;
@@ -74,18 +74,18 @@ impl Points {
     }
 
     /// The point one step away from a place.
-    pub(super) fn step(&self, place: [u32; 3], step: [i32; 3]) -> u32 {
+    pub(crate) fn step(&self, place: [u32; 3], step: [i32; 3]) -> u32 {
         self.find([0, 1, 2].map(|k| place[k].wrapping_add_signed(step[k])))
     }
 
     /// The 8 points at the corners of each of the cells.
-    pub(super) fn of_cells(&self, cells: &Points) -> Vec<[u32; 8]> {
+    pub(crate) fn of_cells(&self, cells: &Points) -> Vec<[u32; 8]> {
         map(cells.len(), |cell| EIGHT.map(|k| self.find(corner(cells.place(cell), k))))
     }
 }
 
 /// Numbers of corners.
-pub(super) const EIGHT: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+pub(crate) const EIGHT: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 /// Corner `k` of a cell.
 fn corner([x, y, z]: [u32; 3], k: usize) -> [u32; 3] {

@@ -5,7 +5,7 @@
 
 use super::elements::{Elements, pooled};
 use super::nodes::{EIGHT, NONE, Points};
-use super::parallel::map;
+use crate::parallel::map;
 
 /// A displacement or a force.
 pub(super) type Triple = [f64; 3];

@@ -4,7 +4,7 @@
 
 use super::multigrid::{Multigrid, add, dot, free, minus};
 use super::operator::Triple;
-use super::parallel::{fill, sum, update};
+use crate::parallel::{fill, sum, update};
 
 /// How it went.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use super::nodes::{NONE, Points};
 use super::operator::Triple;
-use super::parallel::map;
+use crate::parallel::map;
 
 /// Nodes of one level and their shares in those of another one.
 #[derive(Debug)]

@@ -6,7 +6,7 @@
 //! by one cell, and what stands on a missed cell is missed as well.
 //! The platform is the whole plane under the lowest level of the grid.
 
-use crate::curved::{Cells, LayerOrder, set_bits};
+use crate::cells::{Cells, LayerOrder, set_bits};
 
 /// A solid cut into plane layers, all of one level.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -27,14 +27,14 @@ pub struct UniformSlicing {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::Cells;
+/// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::planar::slice_uniformly;
 /// // An upright T, one cell thick: a stem of two cells below a bar of three, two levels high.
 /// let cells = Cells::new([3, 1, 4], &[0b010, 0b010, 0b111, 0b111])?;
 /// let slicing = slice_uniformly(&cells);
 /// assert_eq!(slicing.order.iter().collect::<Vec<_>>(), [[1], [4], [7], [10]]);
 /// assert_eq!(slicing.missed, [6, 8, 9, 11]); // the arms of the bar
-/// # Ok::<(), curvlay_layers::curved::CellsError>(())
+/// # Ok::<(), curvlay_layers::cells::CellsError>(())
 /// ```
 pub fn slice_uniformly(cells: &Cells) -> UniformSlicing {
     let mut slicing = UniformSlicing::default();

@@ -1,8 +1,9 @@
 //! The audit: each kind of fault, ties, degenerate hulls, and agreement with a slow twin that tries every plane
 //! through three points.
 
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::{
-    AuditError, AuditReport, Cells, Fault, FaultCounts, LayerOrder, Neighbours, Platform, Rules, RulesError, audit,
+    AuditError, AuditReport, Fault, FaultCounts, Neighbours, Platform, Rules, RulesError, audit,
 };
 use proptest::prelude::*;
 use std::ops::ControlFlow;

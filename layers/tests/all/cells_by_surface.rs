@@ -1,6 +1,6 @@
 //! The cells of each surface: every cell with a value is with the surface that is nearest.
 
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{FieldError, LayerField};
 use proptest::prelude::*;
 

@@ -1,9 +1,10 @@
 //! Layers that follow directions: those given at places, and those that the overhang of the skin asks for.
 
 use crate::common::{BOX, go};
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    Cells, DirectedOptions, DirectionAt, DirectionsError, DistanceOrder, GrowthError, Guides, NozzleRule, Platform,
-    Rules, Workpiece, grow_directed,
+    DirectedOptions, DirectionAt, DirectionsError, DistanceOrder, GrowthError, Guides, NozzleRule, Platform, Rules,
+    Workpiece, grow_directed,
 };
 use curvlay_layers::nalgebra::{Point3, Vector3};
 

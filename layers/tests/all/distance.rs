@@ -2,11 +2,12 @@
 
 use crate::common::{BOX, Part, go, parts};
 use curvlay_layers::Progress;
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, DirectedOptions, DistanceOrder, GrowthError, Guides, JudgedByNozzle, LayerOrder, LayersBy,
-    LayersError, NozzleRule, NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle,
-    cell_mesh, distance_field, distance_layers, grow_by_distance, grow_directed,
+    CompleteOptions, DirectedOptions, DistanceOrder, GrowthError, Guides, JudgedByNozzle, LayersBy, LayersError,
+    NozzleRule, NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle, cell_mesh,
+    distance_field, distance_layers, grow_by_distance, grow_directed,
 };
 use curvlay_layers::nalgebra::{Point3, Vector3};
 use proptest::prelude::*;

@@ -1,10 +1,11 @@
 //! Fields in files: they come back as they were, and what is no such file is told by its line.
 
+use curvlay_layers::cells::{Cells, CellsError};
 use curvlay_layers::curved::surface::{
     LayerField, OtherCells, OtherMesh, PrintAids, ReadFieldError, SavedField, Spacing, measure_spacing, mesh_stamp,
     write_field_vtk, write_surfaces_vtk,
 };
-use curvlay_layers::curved::{Cells, CellsError, NozzleCell, NozzleRule, NozzleRuleError};
+use curvlay_layers::curved::{NozzleCell, NozzleRule, NozzleRuleError};
 use nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;
 use std::io::{self, BufReader, Read};

@@ -3,9 +3,10 @@
 use crate::common::{Part, are_neighbours, centre, go, hull_of, parts, rules};
 use curvlay_hull::{ConvexHull2, Depth};
 use curvlay_layers::Progress;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    Candidates, Cells, Growth, GrowthError, GrowthOptions, MissedReason, PeelError, Platform, Prevention, Rules,
-    RulesError, SheetField, audit, grow, peel,
+    Candidates, Growth, GrowthError, GrowthOptions, MissedReason, PeelError, Platform, Prevention, Rules, RulesError,
+    SheetField, audit, grow, peel,
 };
 use proptest::prelude::*;
 use std::ops::ControlFlow;

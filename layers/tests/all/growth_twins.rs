@@ -3,9 +3,10 @@
 
 use crate::common::{Part, are_neighbours, centre, go, hull_of, parts, rules};
 use curvlay_hull::Location;
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::{
-    Cells, Growth, GrowthError, GrowthOptions, LayerOrder, Neighbours, Platform, Prevention, Rules, SheetField,
-    Strategy, audit, grow, grow_as_printed, peel,
+    Growth, GrowthError, GrowthOptions, Neighbours, Platform, Prevention, Rules, SheetField, Strategy, audit, grow,
+    grow_as_printed, peel,
 };
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;

@@ -1,8 +1,9 @@
 //! Half layers: where a field rises slowly, one more surface lies between two.
 
 use crate::common::go;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::LayerField;
-use curvlay_layers::curved::{Cells, Guides, LayerSurfaces, Platform, Rules, Workpiece, cell_mesh};
+use curvlay_layers::curved::{Guides, LayerSurfaces, Platform, Rules, Workpiece, cell_mesh};
 use nalgebra::Point3;
 
 const DIMS: [u32; 3] = [12, 4, 20];

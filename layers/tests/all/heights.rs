@@ -1,8 +1,9 @@
 //! Layers parallel to a surface: heights by closed forms, and the layers of a block.
 
 use crate::common::go;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    CellMesh, Cells, CompleteOptions, GrowthError, Guides, HeightsError, LayersBy, NozzleRule, Platform, Rules,
+    CellMesh, CompleteOptions, GrowthError, Guides, HeightsError, LayersBy, NozzleRule, Platform, Rules,
     SupportOptions, Workpiece, cell_mesh, grow_by_heights,
 };
 use curvlay_layers::nalgebra::{Point3, Rotation3, Vector3};

@@ -3,8 +3,9 @@
 use crate::common;
 use crate::common::{Part, are_neighbours, centre, go, hull_of, parts, rules};
 use curvlay_layers::Progress;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    Cells, GrowthError, Impossible, Platform, ProofError, Rules, audit, check_impossible, grow, prove_impossible,
+    GrowthError, Impossible, Platform, ProofError, Rules, audit, check_impossible, grow, prove_impossible,
 };
 use proptest::prelude::*;
 use std::collections::BTreeSet;

@@ -2,11 +2,12 @@
 
 use crate::common::{Part, are_neighbours, centre, go, random_rows};
 use curvlay_hull::{ConvexHull, Depth};
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::uniform_field;
 use curvlay_layers::curved::{
-    Cells, Fault, Growth, GrowthError, JudgedByNozzle, LayerOrder, MissedReason, NozzleRule, Platform, PlatformError,
-    Prevention, Rules, RulesError, Strategy as Grown, SupportOptions, add_support, audit, audit_with_nozzle,
-    check_impossible, grow_with_nozzle, prove_impossible,
+    Fault, Growth, GrowthError, JudgedByNozzle, MissedReason, NozzleRule, Platform, PlatformError, Prevention, Rules,
+    RulesError, Strategy as Grown, SupportOptions, add_support, audit, audit_with_nozzle, check_impossible,
+    grow_with_nozzle, prove_impossible,
 };
 use curvlay_layers::nalgebra::Point3;
 use proptest::prelude::*;

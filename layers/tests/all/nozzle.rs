@@ -2,10 +2,11 @@
 
 use crate::common::{Part, are_neighbours, go, hull_of, parts, rules};
 use curvlay_layers::Progress;
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::uniform_field_with_nozzle;
 use curvlay_layers::curved::{
-    AuditError, AuditReport, Cells, DIRECTIONS, Fault, Growth, GrowthError, GrowthOptions, JudgedByNozzle, LayerOrder,
-    MissedReason, NozzleCell, NozzleRule, NozzleRuleError, Platform, Rules, audit_with_nozzle, grow, grow_with_nozzle,
+    AuditError, AuditReport, DIRECTIONS, Fault, Growth, GrowthError, GrowthOptions, JudgedByNozzle, MissedReason,
+    NozzleCell, NozzleRule, NozzleRuleError, Platform, Rules, audit_with_nozzle, grow, grow_with_nozzle,
 };
 use curvlay_layers::nalgebra::{Point3, Unit, Vector3};
 use proptest::prelude::*;

@@ -1,8 +1,9 @@
 //! Layers on a mould that is a mesh: they begin at the mesh, not at its cells, and are parallel to it.
 
 use crate::common::go;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    Cells, CompleteOptions, DirectedOptions, GrowthError, Guides, LayersBy, LayersError, Platform, Rules, Workpiece,
+    CompleteOptions, DirectedOptions, GrowthError, Guides, LayersBy, LayersError, Platform, Rules, Workpiece,
     distance_field,
 };
 use curvlay_layers::nalgebra::Point3;

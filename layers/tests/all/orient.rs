@@ -3,10 +3,11 @@
 
 use crate::common::{go, random_rows};
 use curvlay_layers::Progress;
+use curvlay_layers::cells::{Cells, CellsError};
 use curvlay_layers::curved::orient::{
     JudgedPose, OrientOptions, Pose, PoseCells, PoseError, PoseKind, judge_poses, poses,
 };
-use curvlay_layers::curved::{self, Cells, CellsError, GrowthError, Platform, PlatformError, Rules};
+use curvlay_layers::curved::{self, GrowthError, Platform, PlatformError, Rules};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use proptest::prelude::*;
 use std::convert::Infallible;

@@ -1,8 +1,9 @@
 //! Plates and parts that end between two layers of cells: their layers fit, and hold their volume.
 
 use crate::common::{BOX, go};
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{extend, plain_field};
-use curvlay_layers::curved::{Cells, Guides, LayerOrder, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
+use curvlay_layers::curved::{Guides, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
 use nalgebra::Point3;
 use proptest::prelude::*;
 

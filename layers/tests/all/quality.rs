@@ -1,6 +1,7 @@
 //! The quality of layers against a flood fill that looks at all pairs.
 
-use curvlay_layers::curved::{Cells, LayerOrder, LayerQuality, Neighbours, SMALL_PATCH, layer_quality};
+use curvlay_layers::cells::{Cells, LayerOrder};
+use curvlay_layers::curved::{LayerQuality, Neighbours, SMALL_PATCH, layer_quality};
 use proptest::prelude::*;
 
 /// The patches of one layer: cells are merged as long as any two of different patches touch.

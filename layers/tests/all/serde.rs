@@ -1,10 +1,11 @@
 //! Options and reports in files: they come back as they were, and what is misspelt is refused.
 #![cfg(feature = "serde")]
 
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::measure_spacing;
 use curvlay_layers::curved::{
-    Candidates, Cells, GrowthOptions, LayerOrder, Neighbours, Platform, Prevention, Rules, Strategy, UnbuildOptions,
-    Visit, audit, layer_quality,
+    Candidates, GrowthOptions, Neighbours, Platform, Prevention, Rules, Strategy, UnbuildOptions, Visit, audit,
+    layer_quality,
 };
 use curvlay_layers::nalgebra::Point3;
 use serde::{Serialize, de::DeserializeOwned};

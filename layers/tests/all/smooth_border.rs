@@ -1,9 +1,9 @@
 //! Smooth borders: a staircase becomes a line, and all else stays.
 
 use crate::surface::{area_of, faults, go, wild};
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{BorderSmoothing, LayerField, Surface, contour, extend};
-use curvlay_layers::curved::trim::{BoundaryKind, Trimmer};
+use curvlay_layers::trim::{BoundaryKind, Trimmer};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -85,7 +85,7 @@ fn a_staircase_becomes_a_line() {
         assert!((after.area() / before.area() - 1.0).abs() < 0.01, "{} {}", after.area(), before.area());
         assert!(after.error_mm < 1e-9 && after.border_mm < before.border_mm);
         // Ends on the mesh two squares from the staircase.
-        let ends = |sheet: &curvlay_layers::curved::trim::TrimmedSheet| -> BTreeSet<[u64; 3]> {
+        let ends = |sheet: &curvlay_layers::trim::TrimmedSheet| -> BTreeSet<[u64; 3]> {
             let of = |kind| sheet.boundary.iter().filter(move |edge| edge.kind == kind).flat_map(|edge| edge.ends);
             let border: Vec<_> = of(BoundaryKind::Border).map(|end| sheet.vertices[end as usize]).collect();
             let ends = of(BoundaryKind::Mesh).map(|end| sheet.vertices[end as usize]);

@@ -2,9 +2,10 @@
 
 use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::UniformMethod;
 use curvlay_layers::curved::{
-    CellMesh, Cells, CompleteOptions, Growth, GrowthError, GrowthOptions, Guides, LayersBy, LayersError, MissedCell,
+    CellMesh, CompleteOptions, Growth, GrowthError, GrowthOptions, Guides, LayersBy, LayersError, MissedCell,
     MissedReason, NoSupport, NozzleRule, NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy,
     SupportError, SupportOptions, Supported, Workpiece, add_support, audit, cell_mesh, grow,
 };

@@ -1,10 +1,11 @@
 //! Surfaces of fields: manifold whatever the field, where the field says, and as far apart as a slow twin finds.
 
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{
-    ContourError, FieldError, LayerField, SpacingError, Surface, SurfaceSlices, VertexPlacement, contour, contour_with,
-    extend, measure_spacing, plain_field,
+    ContourError, FieldError, LayerField, SpacingError, Surface, VertexPlacement, contour, contour_with, extend,
+    measure_spacing, plain_field,
 };
-use curvlay_layers::curved::{Cells, LayerOrder};
+use curvlay_layers::trim::SurfaceSlices;
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;

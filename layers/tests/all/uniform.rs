@@ -1,6 +1,6 @@
 //! Uniform slicing against a walk down every column.
 
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::planar::{UniformSlicing, slice_uniformly};
 use proptest::prelude::*;
 

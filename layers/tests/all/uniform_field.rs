@@ -1,13 +1,14 @@
 //! Uniform layers: they pass the audit on whatever solid, and they are even where nothing has to wait.
 
+use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{
-    LAGS, LayerField, Spacing, Surface, SurfaceSlices, UniformError, UniformMethod, contour, extend, measure_spacing,
-    plain_field, uniform_field,
+    LAGS, LayerField, Spacing, Surface, UniformError, UniformMethod, contour, extend, measure_spacing, plain_field,
+    uniform_field,
 };
-use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
-    AuditError, Cells, Growth, GrowthError, GrowthOptions, LayerOrder, Platform, Rules, RulesError, audit, grow,
+    AuditError, Growth, GrowthError, GrowthOptions, Platform, Rules, RulesError, audit, grow,
 };
+use curvlay_layers::trim::{SurfaceSlices, Trimmer};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::ops::ControlFlow;

@@ -1,15 +1,16 @@
 //! Parts layered in one call: against the steps done one by one, and volumes that are known.
 
 use crate::common::{go, random_rows};
+use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{
     BorderSmoothing, ContourError, LayerField, SavedField, UniformMethod, contour, extend, measure_spacing_within,
     uniform_field,
 };
-use curvlay_layers::curved::trim::Trimmer;
 use curvlay_layers::curved::{
-    Cells, Growth, GrowthError, GrowthOptions, Guides, LayerSurfaces, LayersError, Platform, Prevention, Rules,
-    Strategy, UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
+    Growth, GrowthError, GrowthOptions, Guides, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
+    UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
 };
+use curvlay_layers::trim::Trimmer;
 use nalgebra::Point3;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

@@ -8,7 +8,8 @@ use super::super::impossible::Impossible;
 use super::body::Body;
 use super::depth::{Depths, Question};
 use super::{Bits, stands_on, supporters};
-use crate::curved::{Cells, Platform, Rules, RulesError};
+use crate::cells::Cells;
+use crate::curved::{Platform, Rules, RulesError};
 
 /// Why a proof does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -17,8 +17,9 @@ mod wrap;
 pub use impossible::{ProofError, check_impossible};
 pub use nozzle::JudgedByNozzle;
 
-use super::{Cells, LayerOrder, Neighbours, NozzleRuleError, Platform, Rules, RulesError};
+use super::{Neighbours, NozzleRuleError, Platform, Rules, RulesError};
 use crate::Progress;
+use crate::cells::{Cells, LayerOrder};
 use body::Body;
 use depth::{Depths, Question};
 use nozzle::{Meets, Obstructions};
@@ -273,7 +274,8 @@ pub enum AuditError {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Fault, LayerOrder, Platform, Rules, audit};
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{Fault, Platform, Rules, audit};
 /// use std::ops::ControlFlow;
 /// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
 /// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
@@ -307,9 +309,8 @@ pub fn audit(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{
-///     Cells, Fault, JudgedByNozzle, LayerOrder, NozzleCell, NozzleRule, Platform, Rules, audit_with_nozzle,
-/// };
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{Fault, JudgedByNozzle, NozzleCell, NozzleRule, Platform, Rules, audit_with_nozzle};
 /// use curvlay_layers::nalgebra::Vector3;
 /// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
 /// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;

@@ -12,10 +12,11 @@
 //! From there floors fall by one a cell in all directions inside the part. So they differ by no more than one from neighbour to neighbour, a field held
 //! above them ([`distances`](super::march::distances)) does not tear, and what is far from the pit keeps its time.
 
-use super::super::cells::Cells;
 use super::super::nozzle::{NozzleRule, Obstacles};
-use super::super::rules::Neighbours;
-use super::super::surface::{LayerField, in_parallel};
+use super::super::surface::LayerField;
+use crate::cells::Cells;
+use crate::curved::buildable::rules::Neighbours;
+use crate::parallel::in_parallel;
 use nalgebra::{Point3, UnitVector3};
 use std::collections::{BTreeSet, BinaryHeap};
 

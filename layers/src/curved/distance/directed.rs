@@ -16,10 +16,10 @@
 //!
 //! Where `g` turns, `f` is less steep than it: layers are thicker there, and get [half layers](super::super::surface::LayerField::with_half_layers).
 
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
 use super::super::nozzle::NozzleRule;
 use super::{OnBase, beside, slope};
+use crate::cells::Cells;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};

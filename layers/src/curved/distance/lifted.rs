@@ -3,9 +3,9 @@
 //! A field that is solved for may be nearly level somewhere, or fall where the part hangs down. Nothing would hold a cell there: so each is raised to
 //! [`MIN_RISE`] above the lowest of its face neighbours.
 
-use super::super::cells::Cells;
 use super::march::MIN_RISE;
 use super::{OnBase, beside};
+use crate::cells::Cells;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

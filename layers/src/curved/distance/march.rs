@@ -4,8 +4,8 @@
 //! stencil is that of his *Level Set Methods and Fast Marching Methods*, Cambridge 1999, section 8.7.
 //! Symbols: `T` in the book is a value here; along each axis it enters as `weight (T - origin)^2`.
 
-use super::super::cells::Cells;
 use super::{OnBase, beside};
+use crate::cells::Cells;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

@@ -22,13 +22,12 @@ mod lifted;
 mod march;
 mod reach;
 
-use super::cells::Cells;
 use super::growth::GrowthError;
-use super::order::LayerOrder;
-use super::platform::Platform;
-use super::rules::Rules;
-use super::standing::carried;
 use super::surface::{FieldError, LayerField};
+use crate::cells::{Cells, LayerOrder};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::carried;
 pub use directed::DirectedOptions;
 use nalgebra::Vector3;
 pub use reach::{DistanceOrder, grow_by_distance, grow_by_heights, grow_directed};
@@ -57,7 +56,8 @@ const HALF_LAYERS: f64 = 1.45;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Rules, distance_field};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Rules, distance_field};
 /// // An upright post of three cells with an arm of two at its top.
 /// let cells = Cells::new([3, 1, 3], &[0b001, 0b001, 0b111])?;
 /// let field = distance_field(&cells, &Platform::under(&cells, 10.0)?, &Rules::default())?;
@@ -138,7 +138,8 @@ fn in_cells(cells: &Cells, values: Vec<f64>) -> LayerField {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, LayerOrder, Platform, Rules, distance_field, distance_layers};
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{Platform, Rules, distance_field, distance_layers};
 /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
 /// let distances = distance_field(&cells, &Platform::under(&cells, 10.0)?, &Rules::default())?;
 /// let mut order = LayerOrder::new();

@@ -8,21 +8,20 @@
 //! Where fronts meet, the last cell of a crease has neighbours on both sides that are a whole layer lower, and in the way. One step earlier they are of its
 //! own layer: a cell that is not reached joins the last step that was built if it is supported and reached then.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
-use super::super::nozzle::{NozzleCell, NozzleRule, Obstacles, check_growth};
-use super::super::order::LayerOrder;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::standing::{carried, joined};
-use super::super::surface::{LayerField, in_parallel};
+use super::super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason, NozzleCell};
+use super::super::nozzle::{NozzleRule, Obstacles, check_growth};
+use super::super::surface::LayerField;
 use super::delayed::{Floors, delay};
 use super::directed::{DirectedOptions, directed};
 use super::lifted::lifted;
 use super::march::distances;
 use super::{HALF_LAYERS, ON_BASE, OnBase, STEPS_PER_LAYER, base, beside, in_cells, slope, solved};
 use crate::Progress;
+use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::{carried, joined};
+use crate::parallel::in_parallel;
 use nalgebra::{UnitVector3, Vector3};
 use std::ops::ControlFlow;
 
@@ -72,7 +71,8 @@ pub struct DistanceOrder {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, NozzleRule, Platform, Rules, grow_by_distance};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{NozzleRule, Platform, Rules, grow_by_distance};
 /// use std::ops::ControlFlow::Continue;
 /// // A mast of 12 cells of 5 mm with an arm at its top: the arm grows sideways, out of the mast.
 /// let mut rows = vec![0b00_0001; 12];
@@ -120,7 +120,8 @@ pub fn grow_by_distance(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, DirectedOptions, NozzleRule, Platform, Rules, grow_directed};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{DirectedOptions, NozzleRule, Platform, Rules, grow_directed};
 /// use std::ops::ControlFlow::Continue;
 /// // A mast of 12 cells of 5 mm with an arm at its top: its layers lean by 39 degrees.
 /// let mut rows = vec![0b00_0001; 12];
@@ -172,7 +173,8 @@ pub fn grow_directed(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, NozzleRule, Platform, Rules, grow_by_heights};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{NozzleRule, Platform, Rules, grow_by_heights};
 /// use std::ops::ControlFlow::Continue;
 /// // A wall of 5 by 4 cells of 5 mm, and a slope that rises by half a cell from cell to cell: 12 steps of half a cell.
 /// let cells = Cells::new([5, 1, 4], &[0b1_1111; 4])?;

@@ -10,15 +10,13 @@
 //! shadow others ([`super::prevention`]). What is held back gets a time in the layer in which it is let go ([`SHORT_WAIT`]), and
 //! the front goes on from there at its usual pace. So the layers that the times are cut into are an order that can be built.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::platform::Platform;
-use super::super::rules::{Neighbours, Rules};
-use super::super::standing::standing;
-use super::front::Front;
-use super::front::Protected;
+use super::front::{Front, Protected};
 use super::{GrowthError, prevention};
 use crate::Progress;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::{Neighbours, Rules};
+use crate::curved::buildable::standing::standing;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::f64::consts::SQRT_2;
@@ -39,11 +37,11 @@ const BELOW: usize = 5;
 const ALONG: [[[i32; 3]; 2]; 3] = [[[-1, 0, 0], [1, 0, 0]], [[0, -1, 0], [0, 1, 0]], [[0, 0, -1], [0, 0, 1]]];
 
 /// Times by the clock.
-pub(in crate::curved) struct Clocked {
+pub(crate) struct Clocked {
     /// Time of each cell of the grid, in layers; not a number without one.
-    pub(in crate::curved) times: Vec<f64>,
+    pub(crate) times: Vec<f64>,
     /// Whether each cell got a time.
-    pub(in crate::curved) complete: bool,
+    pub(crate) complete: bool,
 }
 
 /// A time to sort by.
@@ -65,7 +63,7 @@ impl Ord for Time {
 }
 
 /// Grows `cells`, none of them before the time in `release`.
-pub(in crate::curved) fn grow_by_clock(
+pub(crate) fn grow_by_clock(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,

@@ -1,26 +1,26 @@
 //! Which cells of an order come to lie inside the hull before their turn, when, and which plane showed them the longest.
 
-use super::super::cells::Cells;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
 use super::GrowthError;
 use super::front::{Front, Protected};
 use crate::Progress;
+use crate::cells::Cells;
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
 use curvlay_hull::Plane;
 use std::ops::ControlFlow;
 
 /// A cell that is inside before its turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::curved) struct Covered {
-    pub(in crate::curved) cell: u32,
+pub(crate) struct Covered {
+    pub(crate) cell: u32,
     /// The last layer in which it can be built, from 0: the hull of this layer and all before holds it.
-    pub(in crate::curved) layer: usize,
+    pub(crate) layer: usize,
     /// A plane of which the cell lies outside until then.
-    pub(in crate::curved) proof: Plane,
+    pub(crate) proof: Plane,
 }
 
 /// Takes the layers one after the other, each whole, whatever that covers. Cells by rising layer.
-pub(in crate::curved) fn covered(
+pub(crate) fn covered(
     cells: &Cells,
     platform: &Platform,
     rules: &Rules,

@@ -1,14 +1,12 @@
 //! The advancing front: what is built, the hull around it, and what can no longer be built.
 
-use super::super::bits::CellSet;
-use super::super::body::{self, Centres};
-use super::super::cells::Cells;
-use super::super::order::LayerOrder;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::standing::{joined, standing};
-use super::super::watch::{Endangered, Watch};
 use super::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
+use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::body::{self, Centres};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::{joined, standing};
+use crate::curved::buildable::watch::{Endangered, Watch};
 use curvlay_hull::{ConvexHull, Hint, HullError, Plane};
 use std::collections::BTreeMap;
 

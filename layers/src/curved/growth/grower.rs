@@ -1,14 +1,13 @@
 //! Layer after layer: who is a candidate when, and what is left at the end.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::peel::SheetField;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::standing::standing;
 use super::front::{Front, Protected};
+use super::peel::SheetField;
 use super::prevention::{self, Selection};
 use super::{Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, Prevention, Visit};
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::standing;
 use std::collections::BTreeMap;
 
 /// The state between two layers.

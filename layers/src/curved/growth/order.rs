@@ -1,6 +1,6 @@
 //! Candidates in the order of their distance from a first one, and in groups that hang together.
 
-use super::super::bits::CellSet;
+use crate::cells::CellSet;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
@@ -67,9 +67,9 @@ fn length(offset: [i32; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::cells::Cells;
-    use super::super::super::rules::Neighbours;
     use super::*;
+    use crate::cells::Cells;
+    use crate::curved::buildable::rules::Neighbours;
 
     #[test]
     fn nearer_cells_come_first_and_islands_last() {

@@ -7,10 +7,10 @@
 //! less than `eps` below), so a set of candidates that stays below all of these planes does no harm, without a look
 //! at the hull. Only where a plane is crossed is the hull asked for another one.
 
-use super::super::watch::{Endangered, dot};
 use super::GrowthError;
 use super::front::{Front, Protected};
 use super::order::{by_distance, groups};
+use crate::curved::buildable::watch::{Endangered, dot};
 use curvlay_hull::Plane;
 use nalgebra::{Matrix3, Vector3};
 

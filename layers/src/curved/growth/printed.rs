@@ -16,16 +16,16 @@
 //!   with the least number.
 //! * The step of the threshold is one sheet.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::peel::SheetField;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::standing::standing;
 use super::front::{Front, Protected};
+use super::grow::check;
+use super::peel::SheetField;
 use super::prevention::{self, Selection};
-use super::{Growth, GrowthError, GrowthStatistics, Prevention, check};
+use super::{Growth, GrowthError, GrowthStatistics, Prevention};
 use crate::Progress;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::standing;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
@@ -34,7 +34,7 @@ use std::ops::ControlFlow;
 /// # Arguments
 /// * `prevention`: [`Prevention::Adaptive`] for Algorithm 3, which line 20 names, [`Prevention::Incremental`] for Algorithm 2,
 ///   [`Prevention::None`] for none. [`Prevention::FewerThanAll`] and [`Prevention::FewerThan`] are those of another work, and refused.
-/// * `governor`: the field `F-bar`; by the letter that of [`peel`](super::super::peel()). A field of one value gives
+/// * `governor`: the field `F-bar`; by the letter that of [`peel`](super::peel()). A field of one value gives
 ///   Algorithm 1 with prevention, without a governor.
 /// * `progress`: called with the stage `grow` and the number of cells built after each layer; may cancel.
 ///
@@ -46,7 +46,8 @@ use std::ops::ControlFlow;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Prevention, Rules, grow_as_printed, peel};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Prevention, Rules, grow_as_printed, peel};
 /// use std::ops::ControlFlow;
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
 /// let cells = Cells::new([5, 1, 5], &rows)?;

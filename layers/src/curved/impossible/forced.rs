@@ -4,9 +4,8 @@
 //! search and linear graph algorithms", SIAM Journal on Computing 1(2), 1972). A cell `p` is on every chain to the cells below its
 //! child `c` in the tree of the search iff no edge leads from there to a cell that was met before `p`.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::rules::Rules;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::rules::Rules;
 
 const NONE: u32 = u32::MAX;
 

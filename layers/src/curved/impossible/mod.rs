@@ -16,13 +16,12 @@
 mod forced;
 mod search;
 
-use super::bits::CellSet;
-use super::cells::Cells;
 use super::growth::GrowthError;
-use super::platform::Platform;
-use super::rules::Rules;
-use super::standing::{joined, standing};
 use crate::Progress;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::{joined, standing};
 use forced::forced_cells;
 use search::{Found, Search};
 use std::collections::BTreeMap;
@@ -62,7 +61,8 @@ pub struct Impossible {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Rules, check_impossible, prove_impossible};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Rules, check_impossible, prove_impossible};
 /// use std::ops::ControlFlow::Continue;
 /// // A mast of 9 cells with an arm at its top, from the end of which 3 cells hang down.
 /// let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);

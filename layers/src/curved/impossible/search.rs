@@ -1,11 +1,10 @@
 //! One chain from the platform to a cell that keeps clear of what would put the cell inside, or the wall that shuts it off.
 
-use super::super::bits::CellSet;
-use super::super::body::{Centres, hull_of_platform};
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::body::{Centres, hull_of_platform};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
 use curvlay_hull::{ConvexHull, Hint, HullError};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};

@@ -21,31 +21,20 @@ mod rule;
 
 pub use rule::{DIRECTIONS, NozzleRule, NozzleRuleError};
 
-use super::bits::CellSet;
-use super::cells::Cells;
-use super::growth::{Growth, GrowthError, MissedCell, MissedReason};
-use super::platform::Platform;
-use super::rules::Rules;
-use super::standing::{joined, standing};
+use super::growth::{Growth, GrowthError, MissedCell, MissedReason, NozzleCell};
 use super::unbuild::Extremes;
 use crate::Progress;
-use nalgebra::UnitVector3;
-pub(in crate::curved) use obstacles::Obstacles;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::{joined, standing};
+pub(crate) use obstacles::Obstacles;
 use removal::{Printed, Removal, any_direction};
 use std::ops::ControlFlow;
 
 /// How often the removal starts again without what was stuck, as long as more gets built. The part that gains by it (`hanging-ball`) does the
 /// first time.
 const LOOK_BACK: u32 = 3;
-
-/// A cell that the hull rule does not let build, and how the nozzle stands there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NozzleCell {
-    /// The cell.
-    pub cell: u32,
-    /// From the tip of the nozzle to its block.
-    pub direction: UnitVector3<f64>,
-}
 
 /// Goes on with an order by the nozzle that prints: builds missed cells that it reaches in layers after those of the order.
 ///
@@ -69,7 +58,8 @@ pub struct NozzleCell {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Growth, GrowthOptions, NozzleRule, Platform, Rules, grow, grow_with_nozzle};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Growth, GrowthOptions, NozzleRule, Platform, Rules, grow, grow_with_nozzle};
 /// use std::ops::ControlFlow::Continue;
 /// // A mast of 9 cells with an arm at its top, from the end of which 3 cells hang down: two of them lie deep inside the hull.
 /// let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);

@@ -3,8 +3,8 @@
 //! A cell in the way is nearly always beside the tip, so these offsets are tried first, nearest first. Else the nozzle
 //! is held against the balls around the bricks, and against the cells of those that it comes near.
 
-use super::super::bits::CellSet;
 use super::rule::{NozzleRule, ROUNDING, Shape};
+use crate::cells::CellSet;
 use nalgebra::{UnitVector3, Vector3};
 
 /// Edge of a brick in cells: 512 bits, eight words.
@@ -18,7 +18,7 @@ pub(super) const TIP_ABOVE_CENTRE: f64 = 0.5;
 
 /// Cells in the way, and the directions in which they may be.
 #[derive(Clone)]
-pub(in crate::curved) struct Obstacles {
+pub(crate) struct Obstacles {
     shape: Shape,
     directions: Vec<UnitVector3<f64>>,
     /// For each direction the offsets at which a cell is hit, nearest first.
@@ -42,7 +42,7 @@ struct Brick {
 
 impl Obstacles {
     /// All cells of `set`, on a plate at the height `plate` in cells.
-    pub(in crate::curved) fn new(rule: &NozzleRule, cell_mm: f64, plate: f64, set: CellSet) -> Self {
+    pub(crate) fn new(rule: &NozzleRule, cell_mm: f64, plate: f64, set: CellSet) -> Self {
         let (shape, directions) = (Shape::new(rule, cell_mm), rule.directions());
         let mut around: Vec<[i32; 3]> = Vec::new();
         for z in -NEAR..=NEAR {
@@ -96,25 +96,25 @@ impl Obstacles {
     }
 
     /// The cells that are in the way.
-    pub(in crate::curved) fn set(&self) -> &CellSet {
+    pub(crate) fn set(&self) -> &CellSet {
         &self.set
     }
 
-    pub(in crate::curved) fn remove(&mut self, cell: u32) {
+    pub(crate) fn remove(&mut self, cell: u32) {
         if self.set.contains(cell) {
             self.set.remove(cell);
             self.flip(cell);
         }
     }
 
-    pub(in crate::curved) fn insert(&mut self, cell: u32) {
+    pub(crate) fn insert(&mut self, cell: u32) {
         if self.set.insert(cell) {
             self.flip(cell);
         }
     }
 
     /// Whether the nozzle stays above the plate with its tip at the cell.
-    pub(in crate::curved) fn clears_plate(&self, cell: u32, direction: usize) -> bool {
+    pub(crate) fn clears_plate(&self, cell: u32, direction: usize) -> bool {
         self.is_above_plate(cell, self.directions[direction].z)
     }
 
@@ -124,18 +124,18 @@ impl Obstacles {
     }
 
     /// Whether the nozzle meets neither the plate nor a cell with its tip at this one, in a direction of the caller's.
-    pub(in crate::curved) fn is_free(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
+    pub(crate) fn is_free(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
         self.is_above_plate(cell, direction.z) && self.hit_in_bricks(cell, direction).is_none()
     }
 
     /// A cell that the nozzle would hit with its tip at this one.
-    pub(in crate::curved) fn hit(&self, cell: u32, direction: usize) -> Option<u32> {
+    pub(crate) fn hit(&self, cell: u32, direction: usize) -> Option<u32> {
         let near = self.set.around(cell, &self.near[direction]).next();
         near.or_else(|| self.hit_in_bricks(cell, &self.directions[direction]))
     }
 
     /// Whether the nozzle stays above the plate with its tip at the cell, in a direction of the caller's.
-    pub(in crate::curved) fn clears_plate_in(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
+    pub(crate) fn clears_plate_in(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
         self.is_above_plate(cell, direction.z)
     }
 
@@ -144,18 +144,14 @@ impl Obstacles {
     }
 
     /// The cells that the nozzle would hit with its tip at this one.
-    pub(in crate::curved) fn hits<'a>(
-        &'a self,
-        cell: u32,
-        direction: &'a UnitVector3<f64>,
-    ) -> impl Iterator<Item = u32> + 'a {
+    pub(crate) fn hits<'a>(&'a self, cell: u32, direction: &'a UnitVector3<f64>) -> impl Iterator<Item = u32> + 'a {
         let [nx, ny, _] = self.set.dims();
         let centre = Vector3::from(self.position(cell).map(f64::from));
         let reach = f64::from(BRICK - 1) / 2.0 * 3f64.sqrt() + self.shape.margin;
         let is_near = move |brick: &&Brick| clearance(&self.shape, direction, brick.middle - centre) <= reach;
         let cells_of = move |brick: &'a Brick| {
             let of_level = move |(z, &bits): (u32, &u64)| {
-                super::super::set_bits(bits)
+                crate::cells::set_bits(bits)
                     .map(move |bit| [brick.low[0] + bit % BRICK, brick.low[1] + bit / BRICK, brick.low[2] + z])
             };
             (0u32..).zip(&brick.bits).flat_map(of_level)

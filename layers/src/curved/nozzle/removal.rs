@@ -1,14 +1,14 @@
 //! Taking off what the nozzle reaches, sheet by sheet, without cutting off what stays.
 
-use super::super::bits::CellSet;
 use super::super::growth::GrowthError;
-use super::super::rules::Rules;
-use super::super::runs::Runs;
-use super::super::standing::joined;
-use super::super::surface::in_parallel;
 use super::super::unbuild::{Extremes, Links};
 use super::obstacles::Obstacles;
 use super::rule::DIRECTIONS;
+use crate::cells::{CellSet, FACES};
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::runs::Runs;
+use crate::curved::buildable::standing::joined;
+use crate::parallel::in_parallel;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -17,10 +17,6 @@ const NONE: u32 = u32::MAX;
 
 /// Cells that a thread looks at at a time: some hundred microseconds.
 const AT_A_TIME: usize = 64;
-
-/// Steps to the neighbours that can make a cell one of the skin.
-#[rustfmt::skip]
-const FACES: [[i32; 3]; 6] = [[0, 0, -1], [0, -1, 0], [-1, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 /// A cell and the number of the direction in which it is printed; none where the hull rule suffices.
 pub(super) type Printed = (u32, Option<usize>);

@@ -1,6 +1,6 @@
 //! Straight support under missed cells: an upper bound of what it takes to carry them.
 
-use crate::curved::cells::Cells;
+use crate::cells::Cells;
 
 /// Cells of the straight columns below the cells of `carried`, each down to a cell of the part or the plate, counted once. Words
 /// of 64 columns are filled at once, level by level from the top.

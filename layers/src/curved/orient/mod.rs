@@ -22,15 +22,17 @@ mod body;
 mod columns;
 mod judge;
 mod pose;
+mod poses;
 
 pub use judge::{JudgedPose, PoseCells, judge_poses};
-pub use pose::{Pose, PoseKind, poses};
+pub use pose::{Pose, PoseKind};
+pub use poses::poses;
 
-use super::cells::CellsError;
 use super::growth::GrowthError;
-use super::platform::PlatformError;
-use super::rules::Rules;
 use super::strategy::Strategy;
+use crate::cells::CellsError;
+use crate::curved::buildable::platform::PlatformError;
+use crate::curved::buildable::rules::Rules;
 
 /// Options of [`poses`] and [`judge_poses`].
 #[derive(Clone, Copy, Debug, PartialEq)]

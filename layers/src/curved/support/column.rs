@@ -4,10 +4,9 @@
 //! cells carries the next one up. It goes through empty cells alone. With a cell a level the shortest column is the one that lands first;
 //! of those the one with the fewest steps aside.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
 use std::collections::BTreeMap;
 
 /// Steps down, the straight one first.

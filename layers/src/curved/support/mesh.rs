@@ -1,6 +1,6 @@
 //! The skin of a set of cells as a mesh that surfaces can be trimmed to.
 
-use super::super::cells::Cells;
+use crate::cells::Cells;
 use nalgebra::Point3;
 use std::collections::BTreeMap;
 
@@ -24,11 +24,12 @@ pub struct CellMesh {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, cell_mesh};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::cell_mesh;
 /// let cells = Cells::new([2, 1, 1], &[0b11])?;
 /// let mesh = cell_mesh(&cells, &[0, 1], 2.0, [0.0; 3].into());
 /// assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (12, 20)); // a bar of two cubes has ten squares
-/// # Ok::<(), curvlay_layers::curved::CellsError>(())
+/// # Ok::<(), curvlay_layers::cells::CellsError>(())
 /// ```
 pub fn cell_mesh(cells: &Cells, members: &[u32], cell_mm: f64, origin: Point3<f64>) -> CellMesh {
     let mut members: Vec<u32> = members.to_vec();

@@ -19,19 +19,17 @@
 //! ([`SupportOptions::gap`]). The cells of a gap are grown and audited like all others, and stay empty when it comes to surfaces. That is the rule by which
 //! a gap counts as support: a cell is carried by what lies no more than so many empty levels below it.
 
-mod below;
 mod column;
 mod mesh;
 
 pub use mesh::{CellMesh, cell_mesh};
 
-use super::bits::CellSet;
-use super::cells::{Cells, CellsError};
 use super::growth::{Growth, GrowthError};
-use super::platform::Platform;
-use super::rules::{Neighbours, Rules};
-use super::runs::Runs;
 use crate::Progress;
+use crate::cells::{CellSet, Cells, CellsError};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::{Neighbours, Rules};
+use crate::curved::buildable::runs::Runs;
 use column::{DOWN, Ground, moved};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -171,7 +169,8 @@ pub struct Supported {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Rules, Strategy, SupportOptions, add_support};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Rules, Strategy, SupportOptions, add_support};
 /// use std::ops::ControlFlow::Continue;
 /// // A mast of 9 cells with an arm at its top, from the end of which 3 cells hang down: two of them lie inside the hull.
 /// let (dims, mut rows) = ([7, 1, 9], vec![0b000_0001; 9]);

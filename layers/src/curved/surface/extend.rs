@@ -8,9 +8,9 @@
 //! stay without a value: nothing reaches into them.
 
 use super::field::LayerField;
-use super::in_parallel;
 use super::lattice::{JUMP, Lattice, ROOM};
-use crate::curved::Cells;
+use crate::cells::Cells;
+use crate::parallel::in_parallel;
 
 /// Cells that a thread takes at a time: a few hundred microseconds of work. With fewer the threads spend more on sharing
 /// out, with more a small part keeps one of them busy.
@@ -49,7 +49,7 @@ impl ExtendedField {
     }
 
     /// That of the field.
-    pub(in crate::curved) fn half_layers(&self) -> Option<f64> {
+    pub(crate) fn half_layers(&self) -> Option<f64> {
         self.half_layers
     }
 
@@ -110,7 +110,8 @@ impl ExtendedField {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, surface::{LayerField, extend}};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::surface::{LayerField, extend};
 /// let cells = Cells::new([1, 1, 2], &[1, 1])?;
 /// let field = extend(&LayerField::new(&cells, vec![0.5, 1.5], 1.0)?, &cells);
 /// assert_eq!(field.value([0, 0, 3]), Some(3.5));

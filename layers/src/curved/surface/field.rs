@@ -2,7 +2,7 @@
 //!
 //! The plate is at 0; layer `k`, counted from 1, is the cells with `k - 1 <= value < k`, so `k - 1/2` is its middle.
 
-use super::super::{Cells, LayerOrder};
+use crate::cells::{Cells, LayerOrder};
 
 /// When each cell of a part is built, in layers.
 ///
@@ -181,7 +181,8 @@ impl LayerField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::LayerField};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::LayerField;
     /// let cells = Cells::new([4, 1, 1], &[0b1111])?;
     /// let field = LayerField::new(&cells, vec![0.5, 1.2, f64::NAN, 1.9], 1.0)?;
     /// // Layers of 3 mm on cells of 2 mm, whose heights are 1, 2.4 and 3.8 mm.
@@ -206,7 +207,8 @@ impl LayerField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::LayerField};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::LayerField;
     /// let cells = Cells::new([4, 1, 1], &[0b1111])?;
     /// let field = LayerField::new(&cells, vec![0.5, 1.2, f64::NAN, 1.9], 1.0)?;
     /// assert_eq!(field.rounded().iter().collect::<Vec<_>>(), [&[0][..], &[1, 3][..]]);

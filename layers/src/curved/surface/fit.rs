@@ -42,7 +42,8 @@ impl ExtendedField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::{LayerField, extend}};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::{LayerField, extend};
     /// // A plate of 0.7 mm in cells of 1 mm.
     /// let cells = Cells::new([2, 2, 1], &[0b11; 2])?;
     /// let field = extend(&LayerField::new(&cells, vec![0.5; 4], 1.0)?, &cells);

@@ -18,7 +18,7 @@ impl ExtendedField {
     ///
     /// # Errors
     /// As [`contour`](contour()).
-    pub(in crate::curved) fn contour_with_half_layers(
+    pub(crate) fn contour_with_half_layers(
         &self,
         levels: &[f64],
         cell_mm: f64,

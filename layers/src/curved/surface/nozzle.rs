@@ -9,7 +9,8 @@ use super::plain::plain_field;
 use super::slope::evened;
 use super::uniform::{UniformError, UniformField, UniformMethod, uniform_field};
 use crate::Progress;
-use crate::curved::{Cells, JudgedByNozzle, LayerOrder, Platform, Rules, audit_with_nozzle};
+use crate::cells::{Cells, LayerOrder};
+use crate::curved::{JudgedByNozzle, Platform, Rules, audit_with_nozzle};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
@@ -28,9 +29,9 @@ use std::ops::ControlFlow;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{
-///     Cells, JudgedByNozzle, LayerOrder, NozzleCell, NozzleRule, Platform, Rules, surface::uniform_field_with_nozzle,
-/// };
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{JudgedByNozzle, NozzleCell, NozzleRule, Platform, Rules};
+/// use curvlay_layers::curved::surface::uniform_field_with_nozzle;
 /// use curvlay_layers::nalgebra::Vector3;
 /// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells, the last one printed upright
 /// let platform = Platform::under(&cells, 10.0)?;

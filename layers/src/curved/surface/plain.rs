@@ -2,7 +2,7 @@
 
 use super::field::{FieldError, LayerField};
 use super::lattice::Lattice;
-use crate::curved::{Cells, LayerOrder};
+use crate::cells::{Cells, LayerOrder};
 
 /// The plain field of an order: a cell of layer `k` (from 1) has the value `k - 1/2`.
 ///
@@ -14,7 +14,8 @@ use crate::curved::{Cells, LayerOrder};
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, LayerOrder, surface::plain_field};
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::surface::plain_field;
 /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
 /// let mut order = LayerOrder::new();
 /// (0..3).for_each(|cell| order.push([cell]));

@@ -13,8 +13,8 @@
 //! [`relax`] does the same without any bounds, for a field that is free to move yet (`coherent`).
 
 use super::field::LayerField;
-use super::in_parallel;
 use super::lattice::Lattice;
+use crate::parallel::in_parallel;
 
 /// A value stays this far below the next whole number.
 const GAP: f64 = 1e-3;
@@ -167,7 +167,7 @@ fn within_step(lattice: &Lattice, ways: &[[f64; 3]], node: usize, wanted: f64, s
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curved::Cells;
+    use crate::cells::Cells;
 
     fn column(values: &[f64]) -> Vec<f64> {
         let rows = vec![1; values.len()];

@@ -16,11 +16,10 @@
 //! Departs from the paper: distances are taken along normals, not to the nearest point, so that the edge of a
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
-use super::slices::SurfaceSlices;
 use super::tree::Tree;
-use super::{Report, in_parallel_watched};
 use crate::Progress;
-use crate::curved::trim::Trimmer;
+use crate::parallel::{Report, in_parallel_watched};
+use crate::trim::{SurfaceSlices, Trimmer};
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
@@ -175,7 +174,8 @@ pub fn measure_spacing(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{surface::measure_spacing_within, trim::Trimmer};
+/// use curvlay_layers::curved::surface::measure_spacing_within;
+/// use curvlay_layers::trim::Trimmer;
 /// use curvlay_layers::nalgebra::Point3;
 /// # let corner = |k: u32| Point3::from([0, 1, 2].map(|bit| if k >> bit & 1 == 1 { 10.0 } else { 0.0 }));
 /// # let cube: Vec<_> = (0..8).map(corner).collect();

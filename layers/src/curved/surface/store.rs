@@ -26,9 +26,8 @@
 //! ```
 
 use super::field::{FieldError, LayerField};
-use crate::curved::{
-    Cells, CellsError, Growth, GrowthStatistics, MissedCell, MissedReason, NozzleCell, NozzleRule, NozzleRuleError,
-};
+use crate::cells::{Cells, CellsError};
+use crate::curved::{Growth, GrowthStatistics, MissedCell, MissedReason, NozzleCell, NozzleRule, NozzleRuleError};
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::io::{self, BufRead, Read, Write};
 
@@ -261,7 +260,8 @@ impl SavedField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::{LayerField, SavedField}};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::{LayerField, SavedField};
     /// let rows = vec![0b11];
     /// let field = LayerField::new(&Cells::new([2, 1, 1], &rows)?, vec![0.5, f64::NAN], 1.0)?;
     /// let saved = SavedField { field, rows, cell_mm: 0.8, origin: [0.0; 3].into(), mesh: 7, aids: Default::default() };

@@ -12,7 +12,8 @@ impl LayerField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::LayerField};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::LayerField;
     /// let cells = Cells::new([5, 1, 1], &[0b11111])?;
     /// let field = LayerField::new(&cells, vec![0.5, 1.5, 3.5, f64::NAN, 9.5], 1.0)?;
     /// assert_eq!((field.torn_share(2.0), field.torn_share(3.0)), (0.5, 0.0));
@@ -38,7 +39,7 @@ impl LayerField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curved::Cells;
+    use crate::cells::Cells;
 
     #[test]
     fn pairs_along_each_axis_count_and_rows_do_not_wrap() {

@@ -1,7 +1,7 @@
 //! The triangles of many surfaces in a tree, for short lines across them.
 
-use super::slices::SurfaceSlices;
-use crate::curved::boxes::{self, Bounds};
+use crate::boxes::{self, Bounds};
+use crate::trim::SurfaceSlices;
 use nalgebra::{Point3, Vector3};
 
 /// How far beyond its edge a triangle still counts, as a share of the triangle: a line through an edge that two

@@ -19,8 +19,9 @@ use super::lattice::Lattice;
 use super::plain::plain_field;
 use super::slope::evened;
 use crate::Progress;
+use crate::cells::{Cells, LayerOrder};
 use crate::curved::growth::grow_by_clock;
-use crate::curved::{AuditError, AuditReport, Cells, GrowthError, LayerOrder, Platform, Rules, audit};
+use crate::curved::{AuditError, AuditReport, GrowthError, Platform, Rules, audit};
 use std::ops::ControlFlow;
 
 /// How many layers before its own layer in the order a cell may be built: tried one after the other. With a longer
@@ -96,7 +97,9 @@ pub enum UniformError {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, GrowthOptions, Platform, Rules, grow, surface::uniform_field};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{GrowthOptions, Platform, Rules, grow};
+/// use curvlay_layers::curved::surface::uniform_field;
 /// use std::ops::ControlFlow;
 /// // An upright T, one cell thick: a stem of four cells below a bar of five.
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];

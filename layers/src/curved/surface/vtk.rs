@@ -3,8 +3,8 @@
 //! W. Schroeder, K. Martin, B. Lorensen, *The VTK User's Guide*, "VTK File Formats": version 3.0, ASCII.
 
 use super::field::LayerField;
-use super::slices::SurfaceSlices;
 use super::spacing::Spacing;
+use crate::trim::SurfaceSlices;
 use nalgebra::Point3;
 use std::io::{self, Write};
 
@@ -22,7 +22,8 @@ const NONE: f64 = -1.0;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, surface::{LayerField, write_field_vtk}};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::surface::{LayerField, write_field_vtk};
 /// let cells = Cells::new([2, 1, 1], &[0b01])?;
 /// let field = LayerField::new(&cells, vec![0.5, f64::NAN], 1.0)?;
 /// let mut file = Vec::new();

@@ -1,13 +1,11 @@
 //! Until when each cell could be built, everything else staying as it is.
 
-use super::super::bits::CellSet;
-use super::super::body::{Centres, hull_of_platform, points_of_mould};
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::order::LayerOrder;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::watch::Watch;
+use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::body::{Centres, hull_of_platform, points_of_mould};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::watch::Watch;
 use curvlay_hull::Hint;
 use std::iter;
 

@@ -4,13 +4,12 @@
 //! cone behind `w` that the platform, seen from `w`, casts. A piece that hangs on such cells is lost, so it has to be
 //! reached on another way, if there is one.
 
-use super::super::bits::CellSet;
-use super::super::body::{Centres, hull_of_platform};
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::watch::dot;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::body::{Centres, hull_of_platform};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::watch::dot;
 use curvlay_hull::{Depth, Plane};
 
 /// Number of cells that represent a piece. They decide for which cells a way around is looked for, not

@@ -4,13 +4,12 @@
 //! `eps = 0` nothing on a face may count, or two cells of one face could each claim to be the outer one: then only the
 //! corners come off, and the plane touches the hull in nothing but the corner.
 
-use super::super::bits::CellSet;
-use super::super::body::Centres;
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::skin::Skin;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::body::Centres;
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::shell::Skin;
 use curvlay_hull::{ConvexHull, Depth, Hint};
 use std::collections::BTreeMap;
 
@@ -22,7 +21,7 @@ pub(super) struct Proof {
 }
 
 /// Finds the extreme cells of what remains.
-pub(in crate::curved) struct Extremes<'a> {
+pub(crate) struct Extremes<'a> {
     skin: Skin<'a>,
     centres: Centres,
     rules: &'a Rules,
@@ -35,7 +34,7 @@ pub(in crate::curved) struct Extremes<'a> {
 }
 
 impl<'a> Extremes<'a> {
-    pub(in crate::curved) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
+    pub(crate) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
         let depth = rules.depth()?;
         let skin = Skin::new(cells, platform, rules, depth)?;
         let hull = skin.hull(&CellSet::none(cells))?;
@@ -45,7 +44,7 @@ impl<'a> Extremes<'a> {
     }
 
     /// The extreme cells of `rest`, by rising number.
-    pub(in crate::curved) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, GrowthError> {
+    pub(crate) fn find(&mut self, rest: &CellSet) -> Result<Vec<u32>, GrowthError> {
         self.hull = self.skin.hull(rest)?;
         if !self.corners_only {
             return Ok(self.skin.cells(&self.hull, rest));

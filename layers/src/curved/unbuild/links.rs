@@ -4,13 +4,13 @@
 //! the shortest chains of extreme cells, as in Prim's algorithm: the nearest piece is tied first and then counts
 //! as tied for the others.
 
-use super::super::bits::CellSet;
-use super::super::runs::Runs;
+use crate::cells::CellSet;
+use crate::curved::buildable::runs::Runs;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// How pieces are tied to those that stand on the platform.
-pub(in crate::curved) struct Links {
+pub(crate) struct Links {
     /// For each piece its tie; none for those that stand, and for those out of reach.
     ties: Vec<Option<Tie>>,
     /// The pieces that were tied, in that order.
@@ -36,13 +36,7 @@ struct Way {
 impl Links {
     /// Ties the pieces of `core`, of which `standing` stand on the platform, through the cells in `extreme` (by rising
     /// number). The same input gives the same ties.
-    pub(in crate::curved) fn new(
-        core: &CellSet,
-        pieces: &Runs,
-        standing: &[bool],
-        extreme: &[u32],
-        offsets: &[[i32; 3]],
-    ) -> Self {
+    pub(crate) fn new(core: &CellSet, pieces: &Runs, standing: &[bool], extreme: &[u32], offsets: &[[i32; 3]]) -> Self {
         let mut among = core.clone();
         among.clear();
         extreme.iter().for_each(|&cell| _ = among.insert(cell));
@@ -92,7 +86,7 @@ impl Links {
     }
 
     /// The cells that tie all pieces.
-    pub(in crate::curved) fn all(&self) -> impl Iterator<Item = u32> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = u32> {
         self.ties.iter().flatten().flat_map(|tie| tie.chain.iter().copied())
     }
 

@@ -26,14 +26,12 @@ mod schedule;
 pub(super) use extreme::Extremes;
 pub(super) use links::Links;
 
-use super::bits::CellSet;
-use super::cells::Cells;
 use super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
-use super::order::LayerOrder;
-use super::platform::Platform;
-use super::rules::Rules;
-use super::standing::{buried, joined, standing};
 use crate::Progress;
+use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::standing::{buried, joined, standing};
 use chances::last_chances;
 use detour::Detour;
 use removal::Removal;
@@ -73,7 +71,8 @@ impl Default for UnbuildOptions {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, Platform, Rules, UnbuildOptions, unbuild};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{Platform, Rules, UnbuildOptions, unbuild};
 /// use std::ops::ControlFlow;
 /// // An arch: two stems of four cells and a bar of five that joins them.
 /// let rows = [0b10001, 0b10001, 0b10001, 0b10001, 0b11111];

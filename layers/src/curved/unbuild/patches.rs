@@ -4,14 +4,12 @@
 //! as long as none of its cells comes to lie inside the hull and nothing that is built before needs it as a
 //! support. It goes to the first layer in which it touches another patch.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::order::LayerOrder;
-use super::super::platform::Platform;
 use super::super::quality::SMALL_PATCH;
-use super::super::rules::Rules;
 use super::chances::{Chances, last_chances};
+use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
 
 /// Puts off the patches of fewer than [`SMALL_PATCH`] cells.
 ///

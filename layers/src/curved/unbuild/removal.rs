@@ -4,16 +4,15 @@
 //! Each cell keeps the proof from when it first became extreme: all cells up to the rank of that sheet, its *bound*, lie below the plane.
 //! Cells of one sheet with one normal share a plane.
 
-use super::super::bits::CellSet;
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::runs::Runs;
-use super::super::standing::joined;
 use super::detour::Detour;
 use super::extreme::Extremes;
 use super::links::Links;
+use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::runs::Runs;
+use crate::curved::buildable::standing::joined;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::ops::ControlFlow;

@@ -7,15 +7,13 @@
 //! Cells that were given up have no proof of their own. They are built where the front happens to leave them accessible, and
 //! only if they cross no plane.
 
-use super::super::bits::CellSet;
-use super::super::body::{Centres, hull_of_platform};
-use super::super::cells::Cells;
 use super::super::growth::GrowthError;
-use super::super::order::LayerOrder;
-use super::super::platform::Platform;
-use super::super::rules::Rules;
-use super::super::watch::dot;
 use super::removal::{NONE, Plane, Removal};
+use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::body::{Centres, hull_of_platform};
+use crate::curved::buildable::platform::Platform;
+use crate::curved::buildable::rules::Rules;
+use crate::curved::buildable::watch::dot;
 use curvlay_hull::{ConvexHull, Hint};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

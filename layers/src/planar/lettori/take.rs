@@ -3,10 +3,10 @@
 use super::layers::{Layered, Stand};
 use super::options::VolumeOptions;
 use super::regions::OverhangRegion;
+use super::result::{Scenario, Separation};
 use super::separate::separate;
 use super::torch::{Plate, blocked_mm3};
 use super::wall::{SeparationWall, Walls, interpolant, leans, leaves_enough, walls_around, walls_before};
-use super::{Scenario, Separation};
 use crate::planar::{Partition, Region, Solid};
 use nalgebra::Point3;
 

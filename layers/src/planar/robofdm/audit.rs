@@ -4,12 +4,13 @@
 //! for points in space in which parts they are, and slices every part into layers: each must lie on the one below or on earlier parts,
 //! but for what the self-support angle lets it lean out.
 
+use super::audited::AuditedPart;
 use super::contacts::contacts;
 use super::error::RoboFdmError;
 use super::head::Head;
 use crate::Progress;
 use crate::planar::{CutPlane, PlaneFrame, Region, Solid, slice};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use std::ops::ControlFlow;
 
 /// How parts are checked.
@@ -42,17 +43,6 @@ impl Default for AuditOptions {
             head: None,
         }
     }
-}
-
-/// A part to be checked: its mesh, the direction in which it is printed, and whether it stands on the platform.
-#[derive(Clone, Copy, Debug)]
-pub struct AuditedPart<'a> {
-    /// Its closed mesh.
-    pub solid: &'a Solid,
-    /// The direction in which it is printed.
-    pub direction: Vector3<f64>,
-    /// Whether its lowest layer lies on the platform.
-    pub on_platform: bool,
 }
 
 /// What a check found.

@@ -14,12 +14,13 @@
 //! rated for all offsets of a normal at once; the most promising ones, different from each other, are tried on the solid.
 
 use super::error::RoboFdmError;
-use super::parallel::mapped;
+use super::options::{TuningOptions, min_gain};
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
-use super::tuning::{Decomposition, TuningOptions, finely_decomposed, least_gain, polished};
+use super::tuning::{Decomposition, finely_decomposed, polished};
 use crate::Progress;
+use crate::parallel::map_items;
 use crate::planar::{CutPlane, Solid};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
@@ -148,7 +149,7 @@ fn next_beam(beam: &mut [Member], least: f64, width: usize, branches: usize) -> 
         if made.len() >= width {
             break;
         }
-        let tried = mapped(some, |candidate| candidate.tried(beam, least).map(|(rank, _)| rank));
+        let tried = map_items(some, |candidate| candidate.tried(beam, least).map(|(rank, _)| rank));
         for (candidate, rank) in some.iter().zip(tried) {
             let Some(rank) = rank else { continue };
             if of_member[candidate.member] < branches && !made.iter().any(|(known, _)| known.is_like(&rank)) {
@@ -159,7 +160,7 @@ fn next_beam(beam: &mut [Member], least: f64, width: usize, branches: usize) -> 
     }
     made.sort_by(|a, b| a.0.order(&b.0));
     made.truncate(width);
-    mapped(&made, |(_, candidate)| {
+    map_items(&made, |(_, candidate)| {
         let mut member = beam[candidate.member].clone();
         member.state.split(candidate.node, &candidate.plane);
         member
@@ -180,7 +181,7 @@ fn rate(beam: &mut [Member], least: f64) {
             }
         }
     }
-    let rated = mapped(&jobs, |of| Arc::new(beam[of[0].0].state.rated(of[0].1, least)));
+    let rated = map_items(&jobs, |of| Arc::new(beam[of[0].0].state.rated(of[0].1, least)));
     for (of, promises) in jobs.into_iter().zip(rated) {
         for (at, node) in of {
             let cell = beam[at].state.nodes[node].cell;
@@ -266,7 +267,7 @@ pub fn beam_search(
     while best.rank().risky > goal {
         tell("beam", best.state.nodes.len(), options.tuning.max_parts)?;
         beam.retain(|member| member.state.nodes.len() < options.tuning.max_parts);
-        let next = next_beam(&mut beam, least_gain(halvings) * before, width, options.branches);
+        let next = next_beam(&mut beam, min_gain(halvings) * before, width, options.branches);
         if next.is_empty() {
             if halvings == options.tuning.halvings || beam.is_empty() {
                 break;

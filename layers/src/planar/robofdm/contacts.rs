@@ -3,7 +3,7 @@
 //! Tips stand over the layers of each part, along the outlines of the sections and on a grid inside them; what stands is points on the faces
 //! of earlier parts and of the platform. Nothing here is shared with the search, which compares maps of heights.
 
-use super::audit::AuditedPart;
+use super::audited::AuditedPart;
 use super::head::Head;
 use crate::planar::{CutPlane, PlaneFrame, Region, slice};
 use nalgebra::{Point2, Point3, Vector3};

@@ -3,7 +3,7 @@
 //! Two planes meet in a line. It cuts the sections of the parts on both into intervals; where intervals of both overlap the sections
 //! cross. One that only ends on the other, as the section of an earlier cut does below a later part, has the line on its edge, not inside.
 
-use super::tuning::PrintedPart;
+use super::parts::PrintedPart;
 use crate::planar::{CutPlane, PlaneFrame, Region, slice};
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 

@@ -1,8 +1,8 @@
 //! The planes of a sequence on the solid: each is perturbed, and cuts the section that it was made for (section 2.4.3).
 
 use super::error::RoboFdmError;
-use super::promise::Judge;
 use super::random::Random;
+use super::risk::RiskModel;
 use super::sequence::BuildSequence;
 use super::state::{Node, State};
 use crate::planar::solid::Wall;
@@ -115,7 +115,7 @@ impl State {
                 self.nodes.iter().map(|node| node.cell).filter(|&other| other != cell).collect();
             earlier.push(detached.lower);
             let above =
-                Judge { earlier, direction: plane.normal(), floor: f64::NEG_INFINITY, ..self.judge(node, &lower) };
+                RiskModel { earlier, direction: plane.normal(), floor: f64::NEG_INFINITY, ..self.judge(node, &lower) };
             let risky = self.judge(node, &lower).risky(&lower) + above.risky(&upper);
             let better = best.as_ref().is_none_or(|(least, ..)| risky < *least);
             let others = (0..self.nodes.len()).filter(|&other| other != node).map(|other| &self.nodes[other].walls[..]);

@@ -1,6 +1,6 @@
 //! Region merging (section 2.4.3): parts go back to earlier ones as long as nothing gets worse, or there are more than are allowed.
 
-use super::promise::Judge;
+use super::risk::RiskModel;
 use super::state::State;
 use crate::planar::solid::Wall;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ impl State {
         // What is printed between them stands on the later part then.
         for (at, node) in self.nodes.iter().enumerate().take(later).skip(earlier + 1) {
             if node.walls.iter().any(|wall| wall.beyond == Some(second.cell)) {
-                let mut judge: Judge = self.judge(at, &node.walls);
+                let mut judge: RiskModel = self.judge(at, &node.walls);
                 judge.earlier.push(second.cell);
                 rise += judge.risky(&node.walls) - node.risky;
             }

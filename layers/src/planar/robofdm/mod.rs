@@ -11,6 +11,7 @@
 //! * [`audit_parts`] checks the result, or parts of any other origin.
 
 mod audit;
+mod audited;
 mod beam;
 mod border;
 mod closed;
@@ -22,11 +23,13 @@ mod follow;
 mod head;
 mod merging;
 mod mixture;
-mod parallel;
+mod options;
+mod parts;
 mod pedestal;
 mod promise;
 mod random;
 mod reasons;
+mod risk;
 mod segment;
 mod sequence;
 mod skeleton;
@@ -35,7 +38,8 @@ mod state;
 mod strength;
 mod tuning;
 
-pub use audit::{AuditOptions, AuditedPart, PartsAudit, WorstLayer, audit_parts};
+pub use audit::{AuditOptions, PartsAudit, WorstLayer, audit_parts};
+pub use audited::AuditedPart;
 pub use beam::{BeamOptions, beam_search};
 pub use border::Border;
 pub use crossing::crossing_sections;
@@ -43,10 +47,12 @@ pub use cut::{FlowNetwork, Labelling};
 pub use error::RoboFdmError;
 pub use head::Head;
 pub use mixture::GaussianMixture;
+pub use options::TuningOptions;
+pub use parts::{PrintedPart, Seam};
 pub use pedestal::{Pedestal, lowest_pedestal};
 pub use reasons::{Left, LeftReason};
 pub use segment::{MAX_CLUSTERS, SegmentOptions, Segmentation, segment};
 pub use sequence::{BuildSequence, PlannedPart, Root, SequenceOptions, plan_sequence};
 pub use skeleton::{CurveSkeleton, SkeletonOptions, curve_skeleton};
 pub use strength::{Hold, SeamSection, SeamStrength};
-pub use tuning::{Decomposition, PrintedPart, Seam, TuningOptions, tune};
+pub use tuning::{Decomposition, tune};

@@ -5,7 +5,7 @@
 //! lies on the platform then is cut off and printed along directions in which it needs no support.
 
 use super::head::Head;
-use super::tuning::PrintedPart;
+use super::parts::PrintedPart;
 use crate::planar::flat::of_sections;
 use crate::planar::{CutPlane, FlatError, FlatLayers, MAX_LAYERS, PlaneFrame, Region, Solid, slice};
 use nalgebra::{Point3, Vector3};

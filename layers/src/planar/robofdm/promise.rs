@@ -5,64 +5,19 @@
 //! cuts no section on it (constraint I). What does not depend on the normal is prepared once, and of a normal only facets that are
 //! risky in one of both directions are looked at.
 
-use super::parallel::mapped;
+use super::options::TuningOptions;
+use super::risk::{RiskModel, area_vector};
 use super::sequence::sphere;
-use super::tuning::TuningOptions;
+use crate::parallel::map_items;
 use crate::planar::CutPlane;
 use crate::planar::solid::Wall;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
-/// What counts as risky on a part.
-#[derive(Clone, Debug)]
-pub(super) struct Judge {
-    /// The cells that are printed before it.
-    pub(super) earlier: Vec<u32>,
-    pub(super) direction: Vector3<f64>,
-    /// Height of the platform along the direction.
-    pub(super) floor: f64,
-    /// Minus the sine of the self-support angle.
-    pub(super) limit: f64,
-}
-
-impl Judge {
-    pub(super) fn risky(&self, walls: &[Wall]) -> f64 {
-        walls
-            .iter()
-            .filter(|wall| self.is_risky(wall))
-            .map(|wall| area_vector(&wall.places).norm())
-            .fold(0.0, |sum, area| sum + area)
-    }
-
-    /// Area on earlier parts.
-    pub(super) fn seam(&self, walls: &[Wall]) -> f64 {
-        let is_seam = |wall: &&Wall| wall.beyond.is_some_and(|beyond| self.earlier.contains(&beyond));
-        walls.iter().filter(is_seam).map(|wall| area_vector(&wall.places).norm()).fold(0.0, |sum, area| sum + area)
-    }
-
-    /// Eq. 2.1, but for what lies on earlier parts or on the platform.
-    pub(super) fn is_risky(&self, wall: &Wall) -> bool {
-        let vector = area_vector(&wall.places);
-        vector.dot(&self.direction) < self.limit * vector.norm() && !self.is_supported(wall)
-    }
-
-    /// Whether a wall lies on an earlier part or on the platform.
-    pub(super) fn is_supported(&self, wall: &Wall) -> bool {
-        match wall.beyond {
-            Some(beyond) => self.earlier.contains(&beyond),
-            None => wall.places.iter().all(|p| p.coords.dot(&self.direction) <= self.floor),
-        }
-    }
-}
-
-pub(super) fn area_vector([a, b, c]: &[Point3<f64>; 3]) -> Vector3<f64> {
-    (b - a).cross(&(c - a)) / 2.0
-}
-
 /// The best planes of each normal through a part, and what each promises to save: nothing that promises less than `least`.
 pub(super) fn promising(
     walls: &[Wall],
-    judge: &Judge,
+    judge: &RiskModel,
     foot: Point3<f64>,
     up: &Vector3<f64>,
     options: &TuningOptions,
@@ -95,7 +50,7 @@ pub(super) fn promising(
         let plane = |(gain, offset)| Some((gain, CutPlane::through(&Point3::from(normal * offset), normal).ok()?));
         gains.into_iter().filter_map(plane).collect()
     };
-    let mut planes = mapped(&normals, of_normal).concat();
+    let mut planes = map_items(&normals, of_normal).concat();
     planes.sort_by(|a, b| b.0.total_cmp(&a.0));
     planes
 }
@@ -128,7 +83,7 @@ struct Surface {
 }
 
 impl Surface {
-    fn new(walls: &[Wall], judge: &Judge) -> Self {
+    fn new(walls: &[Wall], judge: &RiskModel) -> Self {
         let most = walls.iter().flat_map(|wall| wall.corners).max().map_or(0, |v| v as usize + 1);
         let mut number = vec![u32::MAX; most];
         let mut places = Vec::new();
@@ -395,7 +350,7 @@ mod tests {
     use crate::planar::{Partition, Solid};
 
     /// A table of 40 by 8 mm on two legs, and a knob on it: walls of a cell, with the lower half of one leg cut off as an earlier part.
-    fn table() -> (Vec<Wall>, Judge) {
+    fn table() -> (Vec<Wall>, RiskModel) {
         let inside = |x: usize, z: usize| {
             let leg = z < 5 && !(2..=7).contains(&x);
             leg || z == 5 || (z < 8 && x == 4) || (z == 3 && x == 2)
@@ -429,7 +384,7 @@ mod tests {
         let mut partition = Partition::new(&solid);
         let cut = partition.cut(&[0], &CutPlane::through(&Point3::new(0.0, 0.0, 10.0), &Vector3::z()).unwrap());
         partition.merge(cut.above[0], cut.below[1]);
-        let judge = Judge {
+        let judge = RiskModel {
             earlier: vec![cut.below[0]],
             direction: Vector3::z(),
             floor: f64::NEG_INFINITY,
@@ -439,8 +394,8 @@ mod tests {
     }
 
     /// What a plane saves: piece by piece, each found from scratch.
-    fn slow(walls: &[Wall], judge: &Judge, normal: &Vector3<f64>, offset: f64, options: &TuningOptions) -> f64 {
-        let upward = Judge { direction: *normal, floor: f64::NEG_INFINITY, ..judge.clone() };
+    fn slow(walls: &[Wall], judge: &RiskModel, normal: &Vector3<f64>, offset: f64, options: &TuningOptions) -> f64 {
+        let upward = RiskModel { direction: *normal, floor: f64::NEG_INFINITY, ..judge.clone() };
         let height = |p: &Point3<f64>| p.coords.dot(normal) - offset;
         let is_above = |wall: &Wall, k: usize| height(&wall.places[k]) > 0.0;
         if walls.iter().all(|wall| !judge.is_supported(wall) || (0..3).all(|k| height(&wall.places[k]) >= 0.0)) {

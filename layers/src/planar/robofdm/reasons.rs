@@ -2,8 +2,8 @@
 
 use super::error::RoboFdmError;
 use super::head::Head;
+use super::options::{Tell, TuningOptions, min_gain};
 use super::state::{State, are_near};
-use super::tuning::{Tell, TuningOptions, least_gain};
 use crate::planar::CutPlane;
 
 /// What stands against the most promising plane through a part.
@@ -57,7 +57,7 @@ pub(super) fn left(state: &State, before: f64, tell: &Tell) -> Result<Vec<Left>,
     // Planes are rated as if there were no platform: whether it is in the way is what is asked.
     let mut open = state.clone();
     open.options.head = state.options.head.map(|head| Head { platform_radius: 0.0, ..head });
-    let least = least_gain(state.options.halvings) * before;
+    let least = min_gain(state.options.halvings) * before;
     let mut all = Vec::new();
     for part in 0..state.nodes.len() {
         let risky_mm2 = state.nodes[part].risky;

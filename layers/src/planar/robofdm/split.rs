@@ -2,8 +2,8 @@
 //!
 //! A cut is tried on the part alone: what it does there it does in the whole as well, and no other part becomes more or less risky by it.
 
-use super::promise::{Judge, area_vector};
-use super::tuning::TuningOptions;
+use super::options::TuningOptions;
+use super::risk::{RiskModel, area_vector};
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Partition};
 use nalgebra::Vector3;
@@ -41,7 +41,7 @@ impl Trial {
         mut partition: Partition,
         cell: u32,
         plane: &CutPlane,
-        judge: &Judge,
+        judge: &RiskModel,
         min_mm3: f64,
         options: &TuningOptions,
     ) -> Option<Self> {
@@ -80,11 +80,11 @@ pub(super) fn divide(
     partition: &mut Partition,
     cell: u32,
     plane: &CutPlane,
-    judge: &Judge,
+    judge: &RiskModel,
     min_mm3: f64,
     options: &TuningOptions,
 ) -> Option<Division> {
-    let upward = Judge { direction: plane.normal(), floor: f64::NEG_INFINITY, ..judge.clone() };
+    let upward = RiskModel { direction: plane.normal(), floor: f64::NEG_INFINITY, ..judge.clone() };
     let cut = partition.cut(&[cell], plane);
     let below: Vec<(u32, Vec<Wall>)> = cut.below.iter().map(|&piece| (piece, partition.walls(piece))).collect();
     let stands = |walls: &[Wall]| walls.iter().any(|wall| judge.is_supported(wall));

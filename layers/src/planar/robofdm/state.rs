@@ -4,11 +4,13 @@
 //! known of a part is kept, and cuts are tried on the part alone, so that a trial costs as much as the part is large.
 
 use super::error::RoboFdmError;
-use super::promise::{Judge, area_vector, promising};
+use super::options::TuningOptions;
+use super::parts::{PrintedPart, Seam};
+use super::promise::promising;
 use super::random::Random;
+use super::risk::{RiskModel, area_vector};
 use super::split::{Trial, divide};
 use super::strength::{Body, Hold, Joined, SeamSection, holds};
-use super::tuning::{PrintedPart, Seam, TuningOptions};
 use crate::planar::solid::Wall;
 use crate::planar::{CutPlane, Partition, Solid};
 use nalgebra::{Point3, Vector3};
@@ -138,13 +140,13 @@ impl State {
         self.nodes.iter().map(|node| node.seam).sum()
     }
 
-    pub(super) fn judge(&self, node: usize, walls: &[Wall]) -> Judge {
+    pub(super) fn judge(&self, node: usize, walls: &[Wall]) -> RiskModel {
         let Node { direction, base, .. } = self.nodes[node];
         let lowest =
             || walls.iter().flat_map(|w| w.places).map(|p| p.coords.dot(&direction)).fold(f64::INFINITY, f64::min);
         let floor = if base.is_none() { lowest() + self.options.platform } else { f64::NEG_INFINITY };
         let earlier = self.nodes[..node].iter().map(|node| node.cell).collect();
-        Judge { earlier, direction, floor, limit: -self.options.max_angle.sin() }
+        RiskModel { earlier, direction, floor, limit: -self.options.max_angle.sin() }
     }
 
     /// The earlier parts that a part touches, by rising number.

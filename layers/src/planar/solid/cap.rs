@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 ///
 /// # Returns
 /// Triangles of vertex numbers with the orientation of the outlines. Loops of fewer than three corners give none.
-pub(in crate::planar) fn triangulate(loops: &[Vec<u32>], flat: &[Vec<Point2<f64>>]) -> Vec<[u32; 3]> {
+pub(crate) fn triangulate(loops: &[Vec<u32>], flat: &[Vec<Point2<f64>>]) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     for nested in nest(flat) {
         let corners = |k: usize| loops[k].iter().copied().zip(flat[k].iter().copied()).collect::<Vec<_>>();

@@ -38,13 +38,13 @@ pub struct Partition {
 
 /// A triangle around a cell.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::planar) struct Wall {
+pub(crate) struct Wall {
     /// Numbers of its corners in the partition, counter-clockwise from outside the cell.
-    pub(in crate::planar) corners: [u32; 3],
+    pub(crate) corners: [u32; 3],
     /// Where they are.
-    pub(in crate::planar) places: [Point3<f64>; 3],
+    pub(crate) places: [Point3<f64>; 3],
     /// The cell on the other side; none where that is the outside of the solid.
-    pub(in crate::planar) beyond: Option<u32>,
+    pub(crate) beyond: Option<u32>,
 }
 
 /// What a cut makes of the cells that it was asked to cut.
@@ -185,7 +185,7 @@ impl Partition {
 
     /// Some cells without the others: the faces around them, which still name the cells beyond. What a cut makes of a cell here it makes of
     /// it in the whole, with the same numbers.
-    pub(in crate::planar) fn only(&self, cells: &[u32]) -> Self {
+    pub(crate) fn only(&self, cells: &[u32]) -> Self {
         let is_own = |cell: u32| cells.contains(&cell);
         let mut faces: Vec<Face> =
             self.faces.iter().filter(|face| is_own(face.back) || is_own(face.front)).copied().collect();
@@ -217,7 +217,7 @@ impl Partition {
     ///
     /// # Cost
     /// `O(n)` for the `n` triangles of the partition.
-    pub(in crate::planar) fn walls(&self, cell: u32) -> Vec<Wall> {
+    pub(crate) fn walls(&self, cell: u32) -> Vec<Wall> {
         let wall = |side: (usize, bool)| {
             let face = &self.faces[side.0];
             let [a, b, c] = face.corners;

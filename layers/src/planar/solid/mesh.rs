@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::curved::trim::MAX_COORDINATE;
+use crate::trim::MAX_COORDINATE;
 
 /// A closed, oriented mesh around a solid. Triangles are counter-clockwise from outside.
 ///

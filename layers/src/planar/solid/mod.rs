@@ -9,8 +9,8 @@ mod plane;
 mod section;
 mod tidy;
 
-pub(in crate::planar) use cap::triangulate;
-pub(in crate::planar) use cells::Wall;
+pub(crate) use cap::triangulate;
+pub(crate) use cells::Wall;
 pub use cells::{Cut, Partition};
 pub use mesh::{Solid, SolidError};
 pub use overhang::{OverhangError, risky_area, risky_faces};
@@ -19,7 +19,7 @@ pub use section::{SectionPolygon, slice};
 
 /// The faces of a box, counter-clockwise from outside: corner `k` lies high along the axes of the bits of `k`.
 #[cfg(test)]
-pub(in crate::planar) const BOX: [[u32; 3]; 12] = [
+pub(crate) const BOX: [[u32; 3]; 12] = [
     [0, 2, 3],
     [0, 3, 1],
     [4, 5, 7],

@@ -1,6 +1,6 @@
 //! Which loops are holes, and of which outline: decided exactly on the coordinates in the plane.
 
-use crate::curved::trim::exact::sign;
+use crate::trim::exact::sign;
 use nalgebra::Point2;
 use robust::{Coord, orient2d};
 

@@ -1,6 +1,6 @@
 //! Planes, on which side of them a point lies (exactly), and coordinates in them.
 
-use crate::curved::trim::exact::{grow, sign, two_product};
+use crate::trim::exact::{grow, sign, two_product};
 use nalgebra::{Point2, Point3, Vector3};
 
 /// A plane: the points `p` with `normal . p = offset`. Above is where the normal points.

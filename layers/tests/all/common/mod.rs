@@ -2,7 +2,8 @@
 
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_layers::Progress;
-use curvlay_layers::curved::{Cells, Neighbours, Platform, Rules};
+use curvlay_layers::cells::Cells;
+use curvlay_layers::curved::{Neighbours, Platform, Rules};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 

@@ -3,7 +3,7 @@
 use super::Solid;
 use super::dense_twin::{assert_same, cube, slow};
 use crate::common::{go, random_rows};
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::elastic::{
     Bond, Elastic, ElasticError, ElasticOptions, ElasticPart, Load, Material, Orthotropic, Ply, Region, Strip, Support,
     laminate, load_factor, plies, solve_composite, solve_elastic, supported_cells, traction,

@@ -2,7 +2,7 @@
 
 use super::Solid;
 use crate::common::{go, random_rows};
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::elastic::{
     Elastic, ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic, supported_cells,
 };

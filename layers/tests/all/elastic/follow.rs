@@ -2,9 +2,12 @@
 
 use super::Solid;
 use crate::common::go;
-use curvlay_layers::curved::surface::{LayerField, plain_field};
-use curvlay_layers::curved::{GrowthOptions, LayerOrder, Platform, Rules, audit, grow, surface::uniform_field};
-use curvlay_layers::elastic::{FollowError, FollowOptions, Load, Material, Region, Support, load_angle, load_field};
+use curvlay_layers::cells::LayerOrder;
+use curvlay_layers::curved::surface::{LayerField, plain_field, uniform_field};
+use curvlay_layers::curved::{
+    FollowError, FollowOptions, GrowthOptions, Platform, Rules, audit, grow, load_angle, load_field,
+};
+use curvlay_layers::elastic::{Load, Material, Region, Support};
 
 /// Built level by level.
 fn level(solid: &Solid) -> LayerField {

@@ -6,7 +6,7 @@ mod dense_twin;
 mod errors;
 mod follow;
 
-use curvlay_layers::curved::Cells;
+use curvlay_layers::cells::Cells;
 use curvlay_layers::elastic::{
     Elastic, ElasticError, ElasticOptions, ElasticPart, Load, Material, Support, solve_elastic,
 };

@@ -1,8 +1,7 @@
 //! Surfaces that pass through each other: counted like a twin that computes with whole numbers, and clipped.
 
 use super::helpers::*;
-use curvlay_layers::curved::surface::SurfaceSlices;
-use curvlay_layers::curved::trim::{SurfaceCrossings, TrimError, TrimmedSheet, Trimmer, count_crossings};
+use curvlay_layers::trim::{SurfaceCrossings, SurfaceSlices, TrimError, TrimmedSheet, Trimmer, count_crossings};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

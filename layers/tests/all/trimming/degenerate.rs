@@ -2,7 +2,7 @@
 
 use super::helpers::*;
 use approx::assert_relative_eq;
-use curvlay_layers::curved::trim::Trimmer;
+use curvlay_layers::trim::Trimmer;
 use proptest::prelude::*;
 
 #[test]

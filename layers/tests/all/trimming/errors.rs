@@ -1,8 +1,8 @@
 //! Every error, and what is none.
 
 use super::helpers::*;
-use curvlay_layers::curved::trim::{Input, TrimError, TrimmedSheet, Trimmer};
 use curvlay_layers::nalgebra::Point3;
+use curvlay_layers::trim::{Input, TrimError, TrimmedSheet, Trimmer};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,7 +1,7 @@
 //! Meshes, sheets and what every trimmed sheet must be.
 
-use curvlay_layers::curved::trim::{BoundaryKind, MIN_ALTITUDE_MM, TrimmedSheet, Trimmer};
 use curvlay_layers::nalgebra::{Isometry3, Point3, Vector3};
+use curvlay_layers::trim::{BoundaryKind, MIN_ALTITUDE_MM, TrimmedSheet, Trimmer};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;

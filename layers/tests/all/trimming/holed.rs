@@ -2,7 +2,7 @@
 
 use super::helpers::*;
 use approx::assert_relative_eq;
-use curvlay_layers::curved::trim::{BoundaryKind, Trimmer};
+use curvlay_layers::trim::{BoundaryKind, Trimmer};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! The models and the bad models, with flat and curved sheets.
 
 use super::helpers::*;
-use curvlay_layers::curved::trim::BoundaryKind;
+use curvlay_layers::trim::BoundaryKind;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

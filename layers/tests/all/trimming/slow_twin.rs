@@ -57,7 +57,7 @@ fn slow_areas(mesh: &Mesh, sheet: &Mesh) -> Vec<f64> {
     (0..sheet.triangles.len()).map(inside).collect()
 }
 
-fn areas(sheet: &Mesh, trimmed: &curvlay_layers::curved::trim::TrimmedSheet) -> Vec<f64> {
+fn areas(sheet: &Mesh, trimmed: &curvlay_layers::trim::TrimmedSheet) -> Vec<f64> {
     let mut areas = vec![0.0; sheet.triangles.len()];
     for (corners, &source) in trimmed.triangles.iter().zip(&trimmed.sources) {
         areas[source as usize] += area(&corners.map(|c| trimmed.vertices[c as usize]));

@@ -41,9 +41,10 @@ use super::lattice::Lattice;
 use super::slope::{evened, relax};
 use super::uniform::{UniformError, UniformField, UniformMethod, rows_of};
 use crate::Progress;
+use crate::cells::{Cells, LayerOrder};
+use crate::curved::buildable::standing::standing;
 use crate::curved::growth::{Covered, covered};
-use crate::curved::standing::standing;
-use crate::curved::{Cells, GrowthError, LayerOrder, Platform, Rules, audit};
+use crate::curved::{GrowthError, Platform, Rules, audit};
 use flood::flooded;
 use part::Part;
 use std::ops::ControlFlow;
@@ -90,7 +91,9 @@ const RAISES: usize = 24;
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, GrowthOptions, Platform, Rules, grow, surface::coherent_field};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::{GrowthOptions, Platform, Rules, grow};
+/// use curvlay_layers::curved::surface::coherent_field;
 /// use std::ops::ControlFlow;
 /// // An upright T, one cell thick: a stem of four cells below a bar of five.
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];

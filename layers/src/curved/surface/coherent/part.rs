@@ -1,6 +1,7 @@
 //! The built cells of a part, numbered one after the other, and who is next to whom.
 
-use crate::curved::{Cells, Rules};
+use crate::cells::Cells;
+use crate::curved::Rules;
 
 /// No neighbour.
 const NONE: u32 = u32::MAX;

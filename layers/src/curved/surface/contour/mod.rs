@@ -26,8 +26,8 @@ mod cube;
 mod qef;
 
 use super::extend::ExtendedField;
-use super::{Report, in_parallel_watched};
 use crate::Progress;
+use crate::parallel::{Report, in_parallel_watched};
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use qef::Qef;
@@ -117,7 +117,8 @@ impl ExtendedField {
     ///
     /// # Example
     /// ```
-    /// use curvlay_layers::curved::{Cells, surface::{LayerField, extend}};
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::surface::{LayerField, extend};
     /// let cells = Cells::new([1, 1, 4], &[1; 4])?;
     /// let field = extend(&LayerField::new(&cells, vec![0.5, 1.5, 2.5, 3.5], 1.0)?, &cells);
     /// assert_eq!(field.levels(0.8, 1.0)?, [0.625, 1.875, 3.125]); // in layers of a cell, here 0.8 mm
@@ -165,7 +166,8 @@ fn check_cell(cell_mm: f64, origin: Point3<f64>) -> Result<(), ContourError> {
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, surface::{LayerField, contour, extend}};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::surface::{LayerField, contour, extend};
 /// let cells = Cells::new([1, 1, 2], &[1, 1])?;
 /// let field = extend(&LayerField::new(&cells, vec![0.5, 1.5], 1.0)?, &cells);
 /// let silent = |_| std::ops::ControlFlow::Continue(());
@@ -191,7 +193,8 @@ pub fn contour(
 ///
 /// # Example
 /// ```
-/// use curvlay_layers::curved::{Cells, surface::{LayerField, VertexPlacement, contour_with, extend}};
+/// use curvlay_layers::cells::Cells;
+/// use curvlay_layers::curved::surface::{LayerField, VertexPlacement, contour_with, extend};
 /// // A front that goes on along the longer of two ways: its surfaces have an edge at x = z.
 /// let cells = Cells::new([8, 1, 8], &[0xff; 8])?;
 /// let values = (0..64).map(|cell: u32| f64::from((cell % 8).max(cell / 8)) + 0.5).collect();
