@@ -26,6 +26,7 @@ mod paths;
 mod ranges;
 mod run;
 mod surfaces;
+mod tried;
 
 use args::{Args, Lying, failure};
 use curvlay_examples::args::{Failure, run_command};

@@ -1,14 +1,14 @@
 //! The stages, one after the other.
 
 use crate::args::{Stage, failure};
-use crate::choice::{self, Choice, SUPPORT_ROUNDS, Tried};
+use crate::choice::{Choice, SUPPORT_ROUNDS, Tried};
 use crate::complete::LayersBy;
 use crate::field::{self, Given};
 use crate::job::{Job, Results};
-use crate::motion::{self, Print};
+use crate::motion::{self, Print, trajectory};
 use crate::outputs::{self, Files};
 use crate::ranges::{self, Pick};
-use crate::{findings, machine, paths};
+use crate::{findings, machine, paths, tried};
 use curvlay_examples::args::{Failure, Outcome, note, typed_name};
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::mesh::Mesh;
@@ -102,7 +102,7 @@ impl Job<'_> {
             let start = Instant::now();
             self.print(&mut best)?;
             let time = choice.taken.time + start.elapsed();
-            choice.taken = Tried::of(choice.taken.layers_by, &best, self.args, time);
+            choice.taken = tried::tried(choice.taken.layers_by, &best, self.args, time);
         }
         best.choice = Some(choice).filter(|choice| orders.len() > 1 || choice.taken.below_beads > 0);
         Ok(best)
@@ -112,7 +112,7 @@ impl Job<'_> {
     fn tried(&self, layers_by: LayersBy, findings: &Findings) -> Result<(Results, Tried), Failure> {
         let start = Instant::now();
         let (mut best, mut tried) = self.tried_once(layers_by, &[], findings)?;
-        let mut bare = choice::bare_places(&best, self.args);
+        let mut bare = tried::bare_places(&best, self.args);
         for _ in 0..SUPPORT_ROUNDS {
             if tried.passed || bare.is_empty() || !self.args.supports_beads(layers_by) {
                 break;
@@ -122,7 +122,7 @@ impl Job<'_> {
                 note("too many beads lie on nothing: support is added below them");
             }
             let (results, again) = self.tried_once(layers_by, &bare, findings)?;
-            bare.extend(choice::bare_places(&results, self.args));
+            bare.extend(tried::bare_places(&results, self.args));
             if again.is_better_than(&tried) {
                 (best, tried) = (results, again);
             }
@@ -143,7 +143,7 @@ impl Job<'_> {
         if !results.findings.has_failed() {
             self.print(&mut results)?;
         }
-        let tried = Tried::of(layers_by, &results, self.args, start.elapsed());
+        let tried = tried::tried(layers_by, &results, self.args, start.elapsed());
         Ok((results, tried))
     }
 
@@ -160,7 +160,7 @@ impl Job<'_> {
         let Results { field, surfaces: Some(surfaces), .. } = &results else { return Ok(Outcome::Done) };
         let range = pick.layers(surfaces.sheets.len()).map_err(failure)?;
         let options = args.path_options(surfaces.height_mm)?;
-        args.memory().holds_paths(options.bead, field, surfaces)?;
+        args.memory().holds_paths(options.bead, field.solid.grid.cell_mm(), surfaces)?;
         let fill = args.fill(options, surfaces);
         let layers = paths::range(&fill, surfaces, range.clone(), bars)?;
         bars.finish();
@@ -186,7 +186,7 @@ impl Job<'_> {
         match (stage, &results.paths, &results.machine) {
             (Stage::Paths, ..) => {
                 let options = args.path_options(surfaces.height_mm)?;
-                memory.holds_paths(options.bead, field, surfaces)?;
+                memory.holds_paths(options.bead, field.solid.grid.cell_mm(), surfaces)?;
                 let fill = args.fill(options, surfaces);
                 let filled = match &args.merge[..] {
                     [] => Vec::new(),
@@ -216,7 +216,7 @@ impl Job<'_> {
                 // What was written is checked, and the machine file then goes as fast as the robot.
                 for _ in 0..CHECK_ROUNDS {
                     outputs::trajectory(&motion, self.folder)?;
-                    let file = File::open(self.folder.path().join(outputs::TRAJECTORY)).map_err(failure)?;
+                    let file = File::open(self.folder.path().join(trajectory::FILE)).map_err(failure)?;
                     if !motion.check(&print, BufReader::new(file), bars)? {
                         break;
                     }

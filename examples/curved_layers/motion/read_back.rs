@@ -1,7 +1,7 @@
 //! The files of the programs, read again.
 
-use super::MotionRun;
 use super::args::ProgramFormat;
+use super::planned::MotionRun;
 use crate::args::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::programs::pieces;

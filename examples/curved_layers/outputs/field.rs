@@ -1,7 +1,7 @@
 //! Of the field: `field.csv`, figures, pictures of the cells, and the paper's figures to compare with.
 
 use super::pictures::PLAIN;
-use super::seconds;
+use super::shown::seconds;
 use crate::args::{Args, Extra, failure};
 use crate::complete::LayersBy;
 use crate::field::FieldRun;

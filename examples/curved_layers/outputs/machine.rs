@@ -1,6 +1,7 @@
 //! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
 
-use super::{borrowed, pictures, seconds};
+use super::pictures;
+use super::shown::{borrowed, seconds};
 use crate::args::{Args, Extra, failure};
 use crate::field::FieldRun;
 use crate::job::Job;

@@ -1,6 +1,7 @@
 //! Of the paths: their lines as OBJ, figures and pictures.
 
-use super::{Picture, borrowed, pictures, seconds};
+use super::pictures;
+use super::shown::{Picture, borrowed, seconds};
 use crate::args::{Args, Extra};
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;

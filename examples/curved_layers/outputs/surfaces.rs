@@ -1,6 +1,7 @@
 //! Of the surfaces: the files that other programs take (OBJ, VTK, the field to go on from), figures and pictures.
 
-use super::{borrowed, pictures, seconds};
+use super::pictures;
+use super::shown::{borrowed, seconds};
 use crate::args::{Args, Extra};
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
