@@ -1,8 +1,9 @@
 //! How a part should lie: where `layers`, which judges poses, meets `voxel`, which makes cells of them.
 
-use crate::args::{Failure, from_zero};
+use crate::args::from_zero;
 use crate::bars::Bars;
 use crate::mesh::Mesh;
+use crate::outcome::Failure;
 use clap::Args;
 use curvlay_layers::curved::Rules;
 use curvlay_layers::curved::orient::{

@@ -1,8 +1,9 @@
 //! Profiles: settings in a JSON file. What a setting may be is what its option may be, so a profile is judged as words of the command line.
 
 use super::declared::Settings;
-use crate::args::{Failure, is_typed};
+use crate::args::is_typed;
 use crate::input;
+use crate::outcome::Failure;
 use clap::ArgMatches;
 use serde_json::{Map, Value};
 use std::error::Error;
