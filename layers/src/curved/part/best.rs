@@ -9,6 +9,7 @@
 //! they will be of.
 
 use crate::trim::TrimmedSheet;
+use crate::union_find::UnionFind;
 use std::collections::HashSet;
 
 /// How much less of the volume an order has to lose, as a share of it, to be taken for that alone. Where surfaces bend, their volume
@@ -46,21 +47,12 @@ impl Laid {
 
 /// Connected pieces of a sheet: triangles are connected where they share a corner.
 pub(crate) fn pieces(sheet: &TrimmedSheet) -> usize {
-    let mut leads_to: Vec<u32> = (0..sheet.vertices.len() as u32).collect();
-    fn root(leads_to: &mut [u32], mut corner: u32) -> u32 {
-        while leads_to[corner as usize] != corner {
-            leads_to[corner as usize] = leads_to[leads_to[corner as usize] as usize];
-            corner = leads_to[corner as usize];
-        }
-        corner
-    }
+    let mut pieces = UnionFind::new(sheet.vertices.len());
     for &[a, b, c] in &sheet.triangles {
-        for (from, to) in [(a, b), (b, c)] {
-            let [from, to] = [from, to].map(|corner| root(&mut leads_to, corner));
-            leads_to[from.max(to) as usize] = from.min(to);
-        }
+        pieces.join(a, b);
+        pieces.join(b, c);
     }
-    let roots = sheet.triangles.iter().map(|&[a, ..]| root(&mut leads_to, a));
+    let roots = sheet.triangles.iter().map(|&[a, ..]| pieces.root(a));
     roots.collect::<HashSet<u32>>().len()
 }
 
