@@ -15,8 +15,8 @@ mod composite;
 pub(crate) mod elements;
 mod error;
 mod given;
-mod held;
 pub(crate) mod material;
+mod mechanism;
 mod multigrid;
 pub(crate) mod nodes;
 mod operator;
@@ -193,7 +193,7 @@ fn solve(
     let Discrete { cells, nodes, corners } = Discrete::of(part.cells)?;
     let places = Places { cells: &cells, nodes: &nodes, corners: &corners, cell_mm: part.cell_mm };
     let (fixed, moved) = places.supported(part.supports)?;
-    held::check(&places, &fixed)?;
+    mechanism::check(&places, &fixed)?;
     let forces = places.forces(part.loads)?;
     let report = |done: u64| progress(Progress { stage: "elastic", done, total: 100 }).is_continue();
     if !report(0) {
@@ -251,7 +251,7 @@ pub fn supported_cells(cells: &Cells, cell_mm: f64, supports: &[Support]) -> Res
     let discrete = Discrete::of(cells)?;
     let places = Places { cells: &discrete.cells, nodes: &discrete.nodes, corners: &discrete.corners, cell_mm };
     let (fixed, _) = places.supported(supports)?;
-    let (piece_of, pieces) = held::pieces_held(&places, &fixed);
+    let (piece_of, pieces) = mechanism::pieces_held(&places, &fixed);
     let mut rows = vec![0; cells.rows().len()];
     for (cell, _) in piece_of.iter().enumerate().filter(|&(_, &piece)| pieces[piece as usize].is_supported()) {
         let [x, y, z] = discrete.cells.place(cell);
