@@ -1,7 +1,7 @@
 //! Whether the supports hold all of the part.
 
 use super::ElasticError;
-use super::given::Places;
+use super::conditions::Places;
 use nalgebra::{Matrix6, Point3, SymmetricEigen, Vector3, Vector6};
 
 /// Rigid motions with less than this share of the largest eigenvalue are free: lengths are measured in the size of the piece, so a

@@ -12,9 +12,9 @@
 //! slanted or round border they may be off by far more.
 
 mod composite;
+mod conditions;
 pub(crate) mod elements;
 mod error;
-mod given;
 pub(crate) mod material;
 mod mechanism;
 mod multigrid;
@@ -25,16 +25,16 @@ mod solve;
 mod transfer;
 
 pub use composite::{Bond, Plies, Ply, Strip, load_factor, plies, solve_composite, traction};
-pub use error::{ElasticError, Given};
-pub use given::{Load, Region, Support};
+pub use conditions::{Load, Region, Support};
+pub use error::{BoundaryCondition, ElasticError};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
 pub use orthotropic::{Orthotropic, laminate};
 
 use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::{Progress, parallel};
+use conditions::Places;
 use elements::Elements;
-use given::Places;
 use multigrid::{Multigrid, free, minus};
 use nalgebra::Matrix6;
 use nodes::{NONE, Points};

@@ -44,7 +44,7 @@ pub struct Left {
 }
 
 /// Parts with less than this share of the risky area of the whole are not explained.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 
 /// Planes that are looked at, the most promising first, for one that may be tried at all: what cuts off nothing says nothing.
 const PLANES: usize = 60;
@@ -61,7 +61,7 @@ pub(super) fn left(state: &State, before: f64, report: &Report) -> Result<Vec<Le
     let mut all = Vec::new();
     for part in 0..state.nodes.len() {
         let risky_mm2 = state.nodes[part].risky;
-        if risky_mm2 < (LEAST_SHARE * before).max(least) {
+        if risky_mm2 < (MIN_SHARE * before).max(least) {
             continue;
         }
         report("reasons", part, state.nodes.len())?;
