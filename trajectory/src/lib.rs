@@ -51,7 +51,7 @@ pub use nalgebra;
 pub use path::{
     Defect, IncompletePath, MIN_WAYPOINTS, PathError, PathOptions, PathSegment, TimedPath, Timing, timed_path,
 };
-pub use progress::Progress;
+pub use progress::{Progress, ProgressFn};
 pub use robot::{FreeRange, Posture, Robot};
 pub use spline::{
     Extremes, Peak, Quantity, RunIn, SplineRow, State, Timeline, TimelineError, Trajectory, TrajectoryError, Violation,

@@ -15,7 +15,7 @@ use curvlay_hull::{ConvexHull, Depth};
 use curvlay_kinematics::scene::{Body, Mount, Shape};
 use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
 use curvlay_trajectory::check::{FindingClass, FindingPlace, JointPeaks, PrintPeak, WrittenMotion};
-use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
+use curvlay_trajectory::print::{FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, SegmentKind};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
 use std::io::{self, BufRead, Write};
@@ -72,9 +72,9 @@ pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, ou
     writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
     let (mut start, mut laid) = (0.0, 0.0);
     let plan = &run.plan;
-    for (number, leg) in plan.legs(0..plan.runs.len()).enumerate() {
+    for (number, leg) in plan.segments(0..plan.runs.len()).enumerate() {
         let (kind, layer, path) = (leg.kind.name(), leg.run.layer + 1, leg.run.path);
-        let passes = if leg.kind == LegKind::Print { &leg.run.passes[..] } else { &[] };
+        let passes = if leg.kind == SegmentKind::Print { &leg.run.passes[..] } else { &[] };
         let mut passes = passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
         for (knot, (time, joints)) in leg.knots().iter().enumerate() {
             write!(out, "{number},{}", start + time)?;
@@ -102,7 +102,7 @@ pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<WrittenMot
         let [motion, time, joints @ .., kind, layer, path, waypoint, _] = &cells[..] else { return Err(bad()) };
         if last.as_deref() != Some(*motion) {
             last = Some((*motion).to_owned());
-            let kind = LegKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
+            let kind = SegmentKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
             let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
             let path = path.parse().map_err(|_| bad())?;
             let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());
@@ -189,7 +189,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("slow_motions", run.slow_runs)?
         .set("waypoint_error_mm", run.max_missed_mm)?
         .set("path_error_mm", run.max_deviation_mm)?
-        .set("astray", run.count(FaultKind::Astray))?
+        .set("astray", run.count(FaultKind::PathDeviation))?
         .set("transfers", run.travels.len())?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
     found.iter().try_for_each(|found| checked(found, summary))
@@ -272,7 +272,7 @@ fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut 
         .row(["paths break off".to_owned(), format!("{} times", count(FaultKind::Break))])
         .row([
             "off the path".to_owned(),
-            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::Astray)),
+            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::PathDeviation)),
         ])
         .row(["transfers".to_owned(), format!("{}, {} not found", run.travels.len(), count(FaultKind::NoTransfer))]);
 }
@@ -308,7 +308,7 @@ fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     motion: &Run<N, F>,
 ) -> Option<Picture> {
     let joints = motion.trajectory.joints();
-    let stance = run.cell.stance(&joints[joints.len() / 2])?;
+    let stance = run.cell.frames(&joints[joints.len() / 2])?;
     let base_part = stance.part * run.frame_part;
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));
     for ends in stance.arm.windows(2) {

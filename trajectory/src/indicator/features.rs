@@ -87,7 +87,7 @@ where
 /// Cosine and sine of each joint, then the gap `g` between tip and working surface as `height * g / sqrt(g^2 + near^2)`:
 /// `2 N + 1` features.
 ///
-/// Far from the surface the last one hardly changes any more, so that a layer below is told from what is deeper without
+/// Far from the surface the last one hardly changes any more, so that a layer below differs from what is deeper without
 /// kernels that are all alone.
 #[derive(Clone, Copy, Debug)]
 pub struct TurnsAndGap<S> {

@@ -10,8 +10,7 @@ mod repair;
 pub use dense::{Checks, DENSE_STEP, dense_postures, repair_by_turning};
 pub use repair::{Repair, RepairError, RepairOptions, repair};
 
-use crate::Progress;
-use std::ops::ControlFlow;
+use crate::{Progress, ProgressFn};
 
 /// What collides.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -35,7 +34,7 @@ impl Verification {
 #[non_exhaustive]
 pub enum VerifyError {
     /// The progress callback cancelled the verification.
-    #[error("the verification was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -70,7 +69,7 @@ pub fn verify<const N: usize>(
     waypoints: &[[f64; N]],
     posture_free: &(impl Fn(usize, &[f64; N]) -> bool + ?Sized),
     motion_free: &(impl Fn(usize, &[f64; N], &[f64; N]) -> bool + ?Sized),
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Verification, VerifyError> {
     let mut found = Verification::default();
     let total = waypoints.len() as u64;
