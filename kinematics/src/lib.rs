@@ -10,13 +10,16 @@
 //! * [`Setup`], [`TableSetup`]: who holds what; from a waypoint to configurations.
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
-//! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
-//! * [`best_fixture_place`]: where nozzle, plate or table should stand, with collisions.
+//! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand, by what the arm reaches.
+//! * [`best_fixture_place`]: the best place of a nozzle, a plate or a table, with collisions.
 //! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
 //! * [`calibrate_tip`], [`calibrate_tool`]: where a tip is, from poses that touch one point. [`fit_arm`]: what an arm is really like, from
 //!   measured poses; [`ArmDeviation`] and [`Arm::calibrated`]: such an arm. [`Measurements`]: the files.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV; [`program::link`] streams them.
 //! * [`print_program`]: programs of planned prints, for a workcell.
+//!
+//! For reproducing published works; prints do not use it:
+//!
 //! * [`stewart`]: Stewart platforms, both ways.
 //!
 //! # Who stands on whom
@@ -28,7 +31,6 @@
 mod angle;
 mod arm;
 mod calibration;
-
 #[cfg(feature = "serde")]
 mod json;
 mod limits;

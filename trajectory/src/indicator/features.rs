@@ -1,3 +1,5 @@
+//! For reproducing the learned indicator of C. Dai's dissertation (section 4.4); prints use that of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! Indicators of features of a posture, instead of its joints.
 //!
 //! The kernel of Eq. 4.14 (C. Dai, *Material Deposition in 3D Space*, dissertation, TU Delft 2020) is as wide in every

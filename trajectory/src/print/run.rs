@@ -151,7 +151,7 @@ fn planned_motion<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Ok((run_plan, motion))
 }
 
-/// The motion along a run_plan, with the steps split on which it leaves the way.
+/// The motion along a run plan, with the steps split on which it leaves the way.
 fn split<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     mut run_plan: RunPlan<N, F>,
     path: &PrintPath<'_>,

@@ -67,10 +67,10 @@ pub(super) struct RunPlan<const N: usize, const F: usize> {
     pub of: Vec<usize>,
 }
 
-/// The motion along a run_plan.
+/// The motion along a run plan.
 pub(super) struct Timed<const N: usize> {
     pub trajectory: Trajectory<N>,
-    /// The knot of the motion at each waypoint of the run_plan.
+    /// The knot of the motion at each waypoint of the run plan.
     pub knots: Vec<usize>,
     /// The planned time of each knot of the motion.
     pub planned: Vec<f64>,
@@ -152,7 +152,7 @@ impl<const N: usize, const F: usize> RunPlan<N, F> {
         steps
     }
 
-    /// The same run_plan with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
+    /// The same run plan with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
     /// long is a quarter as far, and halved those on which it gouges or passes a stop. `None` if there are none, or none can be.
     pub fn split<R: PrintRobot<N, F>>(
         &self,

@@ -1,3 +1,5 @@
+//! For reproducing the verification of C. Dai's dissertation (section 4.3.3); prints use [`print`](mod@crate::print) and [`check`](crate::check).
+//!
 //! Verification: every waypoint and the motion between any two, against an exact check; and repair of what collides.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.3, which checks waypoints. Here the
