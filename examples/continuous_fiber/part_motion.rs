@@ -25,7 +25,7 @@ use curvlay_toolpath::fill::FilledLayers;
 use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
 use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::plan::PrintPlan;
-use curvlay_trajectory::print::{self, Fault, LegKind, PrintLimits, PrintOptions, plan_print};
+use curvlay_trajectory::print::{self, Fault, PrintLimits, PrintOptions, SegmentKind, plan_print};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io;
 use std::ops::Range;
@@ -254,8 +254,8 @@ impl Written<'_> {
     /// Seconds of an item.
     fn seconds(&self, item: &Item) -> f64 {
         match item {
-            Item::Beads(runs) => self.beads.legs(runs.clone()).map(|leg| leg.duration()).sum(),
-            Item::Tapes(list, runs) => self.taped[*list].plan.legs(runs.clone()).map(|leg| leg.duration()).sum(),
+            Item::Beads(runs) => self.beads.segments(runs.clone()).map(|leg| leg.duration()).sum(),
+            Item::Tapes(list, runs) => self.taped[*list].plan.segments(runs.clone()).map(|leg| leg.duration()).sum(),
         }
     }
 
@@ -439,7 +439,7 @@ impl Written<'_> {
         print: &PrintPlan,
     ) -> (Vec<viewer::Step>, viewer::Robot) {
         let knots = |plan: &print::PrintPlan<6, 1>| -> usize {
-            plan.legs(0..plan.runs.len()).map(|leg| leg.knots().len()).sum()
+            plan.segments(0..plan.runs.len()).map(|leg| leg.knots().len()).sum()
         };
         let all = knots(self.beads) + self.taped.iter().map(|taped| knots(&taped.plan)).sum::<usize>();
         let mut played = Played::new(self.cell, *frame_part, all);
@@ -449,8 +449,8 @@ impl Written<'_> {
                 Item::Tapes(number, runs) => {
                     let list = &self.tapes[*number];
                     let size = list.tapes.first().map_or([0.0; 2], |tape| [tape.width, tape.thickness]);
-                    for leg in self.taped[*number].plan.legs(runs.clone()) {
-                        let kind = if leg.kind == LegKind::Print { TAPE_KIND } else { viewer::Step::TRAVEL };
+                    for leg in self.taped[*number].plan.segments(runs.clone()) {
+                        let kind = if leg.kind == SegmentKind::Print { TAPE_KIND } else { viewer::Step::TRAVEL };
                         let path = (print.resolved.paths.len() + leg.run.path) as u32;
                         played.add((list.layer, path), &leg.knots(), |_| Some((kind, size)));
                     }
