@@ -11,6 +11,7 @@
 
 mod drawing;
 mod growing;
+mod grown;
 mod hardware;
 mod objects;
 mod outputs;

@@ -26,6 +26,7 @@ mod planar;
 mod predict;
 mod specimen_run;
 mod specimens;
+mod tape_outputs;
 mod tapes;
 mod wires;
 

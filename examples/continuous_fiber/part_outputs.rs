@@ -1,10 +1,10 @@
 //! What a run on a part leaves behind: findings, a table, `summary.json`, the machine file, programs, `tapes.csv`, pictures and the report.
 
 use super::layer::Reinforced;
-use super::outputs::{STRAIGHT_MM, layer_pictures, radius, tape_lines};
 use super::part::{PartRun, TapedLayer};
 use super::part_motion::{MAX_OFF_MM, PartMotion, TAPE_KIND};
-use super::{ANGLE_DEG, Args, WORST_COVERED, outputs};
+use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_header, tape_lines};
+use super::{ANGLE_DEG, Args, WORST_COVERED};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::motion::read_back::MAX_FILAMENT_SHARE;
@@ -229,7 +229,7 @@ pub fn write(
         folder.write(name, bytes)?;
     }
     folder.write_with("tapes.csv", |out: &mut dyn Write| {
-        outputs::tape_header(out)?;
+        tape_header(out)?;
         run.taped.iter().try_for_each(|layer| tape_lines(out, "part", layer.number, &layer.loaded.plan))
     })?;
     let shown = run
@@ -278,7 +278,7 @@ pub fn table(run: &PartRun) -> Table {
 
 fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
-    outputs::options(args, &mut summary)?;
+    options(args, &mut summary)?;
     let (tapes, tape_mm) = run.of_roller();
     let least = |of: fn(&TapedLayer) -> f64| run.taped.iter().map(of).fold(1.0, f64::min);
     summary

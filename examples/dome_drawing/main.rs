@@ -12,10 +12,12 @@
 
 mod args;
 mod design;
+mod fault;
 mod input;
 mod outputs;
 mod pictures;
 mod plan;
+mod platform;
 mod robot;
 mod saved;
 mod setup;

@@ -23,6 +23,7 @@ pub mod path;
 mod planning;
 mod plot;
 mod results;
+mod shortened;
 mod studied;
 
 pub use args::{Args, Cells};

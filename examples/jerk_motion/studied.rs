@@ -1,7 +1,7 @@
 //! What the study of collisions leaves behind: findings, keys of `summary.json`, and its part of `report.html`.
 
 use super::collisions::{Audit, PAPER_SHIFT, Row, Steered, Study};
-use super::outputs::TOLD;
+use super::shortened::MAX_LINES;
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::report::Report;
@@ -226,5 +226,5 @@ pub fn report_study(study: &Study, report: &mut Report) {
              and splits the motion where joints would be too fast; it does not look at acceleration and jerk.",
         );
     }
-    study.collisions.iter().take(TOLD).chain(&study.notes).for_each(|line| _ = report.notice(line));
+    study.collisions.iter().take(MAX_LINES).chain(&study.notes).for_each(|line| _ = report.notice(line));
 }

@@ -1,6 +1,6 @@
 //! The arguments, each declared once.
 
-use super::reaching::ArmName;
+use super::arms::ArmName;
 use clap::Parser;
 use curvlay_examples::args::{Common, above_zero};
 

@@ -9,10 +9,12 @@
 //! Draws all arms; `--arm` says which one the plain keys of the summary are about. `--help` lists the options.
 
 mod args;
+mod arms;
 mod drawing;
 mod outputs;
 mod reaching;
 mod standing;
+mod tried;
 
 pub use args::Args;
 use curvlay_examples::args::{Failure, Outcome, run_with_args};

@@ -1,7 +1,7 @@
 //! From the mesh to audited parts.
 
 use super::ways::{Found, Ways, sought};
-use super::{Args, Avoid, Base, print};
+use super::{Args, Avoid, Base, workcell};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
@@ -73,7 +73,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     placed.translation = onto_plate(&mut mesh).into();
     let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright).map_err(no_root)?;
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
-    let head = if args.avoid == Avoid::Head { Some(print::head(args, &mesh)?) } else { None };
+    let head = if args.avoid == Avoid::Head { Some(workcell::head(args, &mesh)?) } else { None };
     let tuning = TuningOptions {
         max_angle,
         platform,

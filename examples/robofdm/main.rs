@@ -16,6 +16,7 @@ mod made;
 mod outputs;
 mod print;
 mod ways;
+mod workcell;
 
 pub use args::{Args, Avoid, Base, Method, PatternName, Stage};
 use curvlay_examples::args::{Failure, Outcome, run_with_args};
@@ -42,7 +43,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Ou
         return Err(Failure::of_arguments("--pedestal gives the head room: it does nothing with --avoid planes"));
     }
     // Read once before the work: a workcell that is not there is no news for the end of it.
-    print::model(args)?;
+    workcell::model(args)?;
     let divided = decompose::divide(args, bars)?;
     let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };
     bars.finish();
