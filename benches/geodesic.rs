@@ -15,10 +15,11 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_toolpath::geodesic::SurfaceDistance;
+use curvlay_toolpath::level_set::{LevelField, LevelSets};
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    LayerPaths, LevelField, LevelSets, PathOptions, Pattern, SurfaceDistance, SurfaceMesh, SurfacePath,
-};
+use curvlay_toolpath::path::{LayerPaths, PathOptions, Pattern, SurfacePath};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::hint::black_box;

@@ -10,10 +10,10 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_toolpath::gouging::{GougingOptions, Moment, Nozzle};
+use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{
-    BuiltLayer, GougingOptions, LayerCurve, LayerStack, Moment, Nozzle, OrientOptions, Oriented, Pose, ToolPath,
-};
+use curvlay_toolpath::orientation::{OrientOptions, Oriented, Pose, ToolPath};
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -136,7 +136,7 @@ fn rasters(part: &[Layer]) -> Vec<Vec<Point3<f64>>> {
 fn slow(rasters: &[Vec<Point3<f64>>], paths: &[ToolPath]) -> Vec<Vec<f64>> {
     let nozzle = Nozzle::default();
     let of_path = |path: &ToolPath| {
-        let least = |w: &curvlay_toolpath::surface::Waypoint| {
+        let least = |w: &curvlay_toolpath::orientation::Waypoint| {
             let clearance = |p: &Point3<f64>| {
                 let v = p - w.tip;
                 let z = v.dot(&w.direction);

@@ -8,7 +8,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{BeadCurve, PathStatistics, StatisticsOptions, path_statistics};
+use curvlay_toolpath::statistics::{BeadCurve, PathStatistics, StatisticsOptions, path_statistics};
 use std::hint::black_box;
 use std::ops::ControlFlow;
 

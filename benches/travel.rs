@@ -10,11 +10,13 @@
 #![allow(missing_docs)] // of what criterion's macros make
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::layer::{BuiltLayer, LayerStack};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{
-    BeadKind, BuiltLayer, LayerStack, Nozzle, Pose, ToolPath, TravelCurve, TravelOptions, Travels, Waypoint,
-    order_curves,
-};
+use curvlay_toolpath::order::{TravelCurve, order_curves};
+use curvlay_toolpath::orientation::{Pose, ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
+use curvlay_toolpath::travel::{TravelOptions, Travels};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;

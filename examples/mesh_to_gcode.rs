@@ -8,9 +8,13 @@ use curvlay_examples::args::{Failure, Outcome, run, warn_if_open};
 use curvlay_examples::input::Inputs;
 use curvlay_examples::{mesh::read_mesh, shapes::jug};
 use curvlay_layers::cells::Cells;
-use curvlay_layers::curved::{Guides, Platform, Rules, Workpiece};
+use curvlay_layers::curved::{LayerOptions, Platform, Workpiece};
+use curvlay_toolpath::fill::fill_layers;
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{LayerSurface, Nozzle, PathOptions, PrintOptions, fill_layers};
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::PrintOptions;
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, fs::File, ops::ControlFlow::Continue, process::ExitCode};
 
@@ -34,18 +38,10 @@ fn mesh_to_gcode() -> Result<Outcome, Failure> {
     let cell_mm = solid.grid.cell_mm();
 
     // Layers as high as a cell, on a plate of 127.5 mm or as large as the part.
-    let part = Workpiece {
-        vertices: &vertices,
-        triangles: &mesh.triangles,
-        cells,
-        cell_mm,
-        origin: solid.grid.origin(),
-        platform: &Platform::under(&cells, 63.75 / cell_mm)?,
-        rules: Rules::default(),
-        volume_mm3: inspect(&vertices, &mesh.triangles)?.volume_mm3(),
-        guides: Guides::default(),
-    };
-    let layered = part.layers(None, cell_mm, &|_| Continue(()))?;
+    let platform = Platform::under(&cells, 63.75 / cell_mm)?;
+    let mesh = (&vertices[..], &mesh.triangles[..]);
+    let part = Workpiece::new(mesh, cells, cell_mm, solid.grid.origin(), &platform, &|_| Continue(()))?;
+    let layered = part.layers(&LayerOptions::hull_rule(), &|_| Continue(()))?;
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
 
     // Beads as wide as a layer is high, and the moves that lay them.

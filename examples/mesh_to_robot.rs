@@ -12,8 +12,12 @@ use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::cells::Cells;
-use curvlay_layers::curved::{Guides, Platform, Rules, Workpiece};
-use curvlay_toolpath::surface::{self, Contacts, GougingOptions, LayerSurface, PathOptions, PrintPlan, fill_layers};
+use curvlay_layers::curved::{LayerOptions, Platform, Workpiece};
+use curvlay_toolpath::fill::fill_layers;
+use curvlay_toolpath::gouging::{Contacts, GougingOptions};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::{self, PrintPlan};
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, inspect::inspect, voxelise};
 use std::{env, io::BufWriter, ops::ControlFlow::Continue, path::Path, process::ExitCode};
@@ -40,22 +44,14 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
     let solid = voxelise(&mesh.vertices, &mesh.triangles, &options, &|_| Continue(()))?;
     let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex + solid.shift).collect();
     let cells = Cells::new(solid.grid.dims(), solid.grid.rows())?;
-    let part = Workpiece {
-        vertices: &vertices,
-        triangles: &mesh.triangles,
-        cells,
-        cell_mm: CELL_MM,
-        origin: solid.grid.origin(),
-        platform: &Platform::under(&cells, PLATE_MM / 2.0 / CELL_MM)?,
-        rules: Rules::default(),
-        volume_mm3: inspect(&vertices, &mesh.triangles)?.volume_mm3(),
-        guides: Guides::default(),
-    };
-    let layered = part.layers(None, CELL_MM, &|_| Continue(()))?;
+    let platform = Platform::under(&cells, PLATE_MM / 2.0 / CELL_MM)?;
+    let mesh = (&vertices[..], &mesh.triangles[..]);
+    let part = Workpiece::new(mesh, cells, CELL_MM, solid.grid.origin(), &platform, &|_| Continue(()))?;
+    let layered = part.layers(&LayerOptions::hull_rule(), &|_| Continue(()))?;
     let surfaces: Vec<_> = layered.surfaces.iter().map(LayerSurface::from).collect();
     let filled = fill_layers(&surfaces, &PathOptions { bead: CELL_MM, ..PathOptions::default() }, &|_| Continue(()))?;
     let (nozzle, stack) = (nozzle_of(cell.equipment())?, filled.stack(&surfaces)?);
-    let plan = filled.plan(&surfaces, &nozzle, &surface::PrintOptions::for_robot(), &|_| Continue(()))?;
+    let plan = filled.plan(&surfaces, &nozzle, &plan::PrintOptions::for_robot(), &|_| Continue(()))?;
 
     // The cells of each layer, in the middle of the plate, and the nozzle in what is built.
     let grown = PartCells {

@@ -7,7 +7,7 @@
 //! ```
 //! Every figure of the tables is printed beside ours, and the same objects follow under our own default rules, each
 //! order audited. With a file, a grid of your own is grown in the same ways, with the platform in the hand, on the floor or
-//! elevated. `--help` lists the options, the README the files that it writes.
+//! elevated. `--help` lists the options.
 
 mod drawing;
 mod growing;

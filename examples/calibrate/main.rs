@@ -8,7 +8,7 @@
 //! cargo run --release --example calibrate -- measurements.csv --workcell cell.json --fit lengths
 //! ```
 //! Without a file of measurements they are made in code: a UR10 with known errors, a tracker and a probe with noise, so that what is found can be
-//! compared with what was put in. `docs/formats.md` describes the file. `--help` lists the options.
+//! compared with what was put in. `kinematics/docs/measurements.md` describes the file. `--help` lists the options.
 
 mod args;
 mod demo;

@@ -15,7 +15,7 @@ use curvlay_layers::elastic::{
     Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Orthotropic, Ply, Region, Strip, Support, load_factor,
     plies, solve_composite,
 };
-use curvlay_toolpath::surface::Tape;
+use curvlay_toolpath::fiber::tapes::Tape;
 
 /// Edge of the cells in millimetres: two in a layer of 0.6 mm.
 const CELL_MM: f64 = 0.3;

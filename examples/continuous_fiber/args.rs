@@ -4,7 +4,9 @@ use super::motion;
 use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, Failure, MeshArgs, above_zero, from_zero, share};
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_toolpath::surface::{SandwichOptions, TapeHead, TapeOptions};
+use curvlay_toolpath::fiber::head::TapeHead;
+use curvlay_toolpath::fiber::sandwich::SandwichOptions;
+use curvlay_toolpath::fiber::tapes::TapeOptions;
 use std::path::{Path, PathBuf};
 
 /// Tapes of continuous fibre between layers: specimens of Dai (2020), chapter 5, and a layer of a part under load.

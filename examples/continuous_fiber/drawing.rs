@@ -5,7 +5,7 @@ use super::tapes::Planned;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::render::{Camera, INK, Image, Rgb, Scene, ramp};
-use curvlay_toolpath::surface::{Tape, TapePlan};
+use curvlay_toolpath::fiber::tapes::{Tape, TapePlan};
 
 /// Pixels of a picture.
 const SIZE: [u32; 2] = [900, 560];

@@ -8,7 +8,7 @@ use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::LayerField;
 use curvlay_layers::curved::{
-    CompleteOptions, FollowOptions, Guides, LayersBy, Workpiece, layer_normal, load_angle, load_field,
+    FollowOptions, Guides, LayerOptions, LayersBy, Workpiece, layer_normal, load_angle, load_field,
 };
 use std::io::{self, Write};
 
@@ -36,13 +36,16 @@ impl FollowedLoad {
     ) -> Result<Self, Failure> {
         let progress = |p: curvlay_layers::Progress| bars.show(p.stage, p.done, p.total);
         layers.in_workpiece(part, |workpiece| {
-            let height_mm = args.layer_height_mm.unwrap_or(workpiece.cell_mm);
-            let options =
-                CompleteOptions { layers_by: LayersBy::Directed, support: None, ..CompleteOptions::default() };
+            let options = LayerOptions {
+                height_mm: args.layer_height_mm,
+                layers_by: LayersBy::Directed,
+                support: None,
+                ..LayerOptions::default()
+            };
             let cells = workpiece.cells;
             let ordered = |directions: Option<&[Vector3<f64>]>| -> Result<(LayerField, usize), Failure> {
                 let guided = Workpiece { guides: Guides { directions, ..Guides::default() }, ..*workpiece };
-                let order = guided.complete_order(None, height_mm, &options, &progress)?;
+                let order = guided.order(&options, &progress)?;
                 let missed = order.growth.missed.len();
                 Ok((order.field.ok_or_else(|| Failure::new("a directed order has no field"))?, missed))
             };

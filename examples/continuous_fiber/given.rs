@@ -9,7 +9,7 @@ use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::shapes::jug;
 use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_toolpath::surface::StressSample;
+use curvlay_toolpath::fiber::stress::StressSample;
 
 /// The files of the user, all of them read before anything is removed.
 pub struct Given {

@@ -5,7 +5,7 @@ use super::motion::Moved;
 use super::predict::Predictions;
 use super::tapes::Planned;
 use curvlay_examples::findings::{Findings, Severity, percent};
-use curvlay_toolpath::surface::TapeOptions;
+use curvlay_toolpath::fiber::tapes::TapeOptions;
 
 /// What the tapes of a specimen must reach: share covered, and share covered twice.
 pub const SPECIMEN: [f64; 2] = [0.95, 0.02];

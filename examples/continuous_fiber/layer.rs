@@ -8,16 +8,19 @@ use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
 use curvlay_layers::cells::Cells;
-use curvlay_layers::curved::{Guides, LayeredPart, Platform, Rules, Workpiece, layer_normal};
+use curvlay_layers::curved::{Guides, LayerOptions, LayeredPart, Platform, Rules, Workpiece, layer_normal};
 use curvlay_layers::elastic::{
     Bond, Elastic, ElasticOptions, ElasticPart, Load, Material, Ply, Region, Strip, Support, load_factor, plies,
     solve_composite, solve_elastic, stress_matrix,
 };
-use curvlay_toolpath::surface::{
-    DirectionField, LayerStress, LayerSurface, LayerTapes, Principal, PrincipalAngle, StressOptions, StressSample,
-    SurfaceMesh, TapeOptions, TapePlan, angle_to_principal, lay_tapes, read_stress_csv, read_stress_frd,
-    read_stress_vtk,
-};
+use curvlay_toolpath::fiber::direction::DirectionField;
+use curvlay_toolpath::fiber::head::LayerTapes;
+use curvlay_toolpath::fiber::measure::{PrincipalAngle, angle_to_principal};
+use curvlay_toolpath::fiber::stress::{LayerStress, Principal, StressOptions, StressSample};
+use curvlay_toolpath::fiber::stress_files::{read_stress_csv, read_stress_frd, read_stress_vtk};
+use curvlay_toolpath::fiber::tapes::{TapeOptions, TapePlan, lay_tapes};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_voxel::inspect::inspect;
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use std::io::BufReader;
@@ -237,9 +240,9 @@ impl PartLayers {
         let mesh = &part.mesh;
         let solid = voxelise(&mesh.vertices, &mesh.triangles, &voxels, &progress)?;
         let volume_mm3 = inspect(&mesh.vertices, &mesh.triangles)?.volume_mm3();
-        let height_mm = args.layer_height_mm.unwrap_or(solid.grid.cell_mm());
+        let options = LayerOptions { height_mm: args.layer_height_mm, ..LayerOptions::hull_rule() };
         let layered = in_workpiece(part, &solid, volume_mm3, |workpiece| {
-            Ok(workpiece.layers(None, height_mm, &|p| bars.show(p.stage, p.done, p.total))?)
+            Ok(workpiece.layers(&options, &|p| bars.show(p.stage, p.done, p.total))?)
         })?;
         Ok(PartLayers { solid, layered, volume_mm3 })
     }

@@ -13,16 +13,19 @@ use curvlay_examples::motion::programs::LIFT_POSTURES;
 use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, from_home, programs};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::centred_on_plate;
-use curvlay_kinematics::program::{
-    Goal, HeadInput, HeadSignal, Move, PrintKnot, Speed, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
-    TimedSignal, UrScriptOptions, Zone, print_stream, print_targets, write_urscript,
+use curvlay_kinematics::print_program::{
+    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_stream, print_targets,
 };
-use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
+use curvlay_kinematics::program::{
+    Goal, HeadInput, HeadSignal, Move, Speed, Step, TimedSignal, UrScriptOptions, Zone, write_urscript,
+};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisWorkcell, Workcell};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
+use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::gcode::Tool;
-use curvlay_toolpath::surface::{LayerTapes, Tape, TapeHead};
 use curvlay_trajectory::print::{
-    Clearance, Fault, LegKind, PrintCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, Run, Steered,
-    Waypoint, plan_print,
+    Clearance, Fault, LegKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintWorkcell, Run,
+    Steered, Waypoint, plan_print,
 };
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -193,11 +196,11 @@ fn cell_of(at: Point3<f64>) -> [i64; 3] {
 /// The cell with its roller in the place of the nozzle, mounted as the workcell says, or else so that the most waypoints can be reached on one branch along
 /// each tape, with the clearance that postures keep; the first of the best. And how that is, in radians.
 pub fn mounted(
-    cell: &SixAxisCell,
+    cell: &SixAxisWorkcell,
     tapes: &[Placed],
     part: &PartCells,
     plate_mm: f64,
-) -> Result<(SixAxisCell, f64), Failure> {
+) -> Result<(SixAxisWorkcell, f64), Failure> {
     let roller = cell.equipment().model().roller.unwrap_or_default();
     if let Some(degrees) = roller.mount_deg {
         return Ok((cell.with_roller(roller, degrees.to_radians())?, degrees.to_radians()));
@@ -209,7 +212,7 @@ pub fn mounted(
         .step_by(step)
         .map(|tape| (tape, tape.waypoints.iter().map(|waypoint| directions.heading(waypoint)).collect()))
         .collect();
-    let mut best: Option<(usize, f64, SixAxisCell)> = None;
+    let mut best: Option<(usize, f64, SixAxisWorkcell)> = None;
     for mount in (0..MOUNTS).map(|k| TAU * f64::from(k) / f64::from(MOUNTS)) {
         let with_roller = cell.with_roller(roller, mount)?;
         let mut built =
@@ -226,11 +229,11 @@ pub fn mounted(
 
 /// Waypoints of the longest part of a tape that one branch of the arm follows, able to lift off at each of them.
 fn unbroken(
-    robot: &OnCell<SixAxisCell>,
+    robot: &OnCell<SixAxisWorkcell>,
     tape: &Placed,
     headings: &[f64],
     mount: f64,
-    cell: &PrintingCell<'_, 6, 1, SixAxisCell>,
+    cell: &PrintingCell<'_, 6, 1, SixAxisWorkcell>,
 ) -> usize {
     let limits = robot.workcell().limits();
     let is_inside = |joints: &[f64; 6]| (0..6).all(|j| (limits.lower[j]..=limits.upper[j]).contains(&joints[j]));
@@ -259,7 +262,7 @@ fn unbroken(
 /// Motions along tapes, from home and back to it.
 pub struct TapeMotion {
     /// The workcell with its roller.
-    pub cell: SixAxisCell,
+    pub cell: SixAxisWorkcell,
     /// The tapes, in the order in which they are laid.
     pub placed: Vec<Placed>,
     /// Their motions.
@@ -276,7 +279,7 @@ pub struct TapeMotion {
 /// * `part`: in the layers that the tapes name: a tape lies on its own and all before it.
 /// * `home`: where the tapes begin and end; `None` for a posture above the part.
 pub fn along_tapes(
-    (cell, mount): (&SixAxisCell, f64),
+    (cell, mount): (&SixAxisWorkcell, f64),
     placed: Vec<Placed>,
     part: &PartCells,
     plate_mm: f64,
@@ -448,7 +451,7 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
 }
 
 /// The arm without a table that lays tapes.
-pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisCell, Failure> {
+pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisWorkcell, Failure> {
     match cell {
         AnyWorkcell::Six(cell) => Ok(cell),
         AnyWorkcell::Eight(_) => Err(Failure::of_arguments(
@@ -458,7 +461,7 @@ pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisCell, Failure> {
 }
 
 /// How far the tool is turned away from the tapes at most, of the motion as it is.
-fn turned(robot: &OnCell<SixAxisCell>, plan: &PrintPlan<6, 1>, directions: &Directions, mount: f64) -> f64 {
+fn turned(robot: &OnCell<SixAxisWorkcell>, plan: &PrintPlan<6, 1>, directions: &Directions, mount: f64) -> f64 {
     let mut most: f64 = 0.0;
     for joints in plan.runs.iter().flat_map(|run| run.trajectory.joints()) {
         let Some(tool) = PrintRobot::nozzle(robot, joints) else { continue };

@@ -12,8 +12,9 @@ use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_toolpath::fiber::head::LayerTapes;
+use curvlay_toolpath::fiber::tapes::{Tape, TapePlan};
 use curvlay_toolpath::gcode::{Move, Tool, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{LayerTapes, Tape, TapePlan};
 use std::io::{self, Write};
 use std::time::Instant;
 

@@ -13,12 +13,17 @@ use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::nozzle_of;
 use curvlay_examples::nalgebra::Point3;
-use curvlay_toolpath::gcode::{Move, Tool};
-use curvlay_toolpath::surface::{
-    ConductorOptions, FillLayersError, FilledLayers, LayerSurface, LayerTapes, PathOptions, PrintOptions, PrintPlan,
-    Roller, SandwichLayer, SandwichOptions, SupportOptions, SurfaceMesh, TapeBedding, bedded_surface, fill_layers,
-    marked_moves, sandwich, sandwich_on, tape_bedding, with_tapes,
-};
+use curvlay_toolpath::fiber::bedding::{Roller, TapeBedding, bedded_surface, tape_bedding};
+use curvlay_toolpath::fiber::conductor::ConductorOptions;
+use curvlay_toolpath::fiber::head::{LayerTapes, with_tapes};
+use curvlay_toolpath::fiber::sandwich::{SandwichLayer, SandwichOptions, sandwich, sandwich_on};
+use curvlay_toolpath::fill::{FillLayersError, FilledLayers, fill_layers};
+use curvlay_toolpath::gcode::{Move, Tool, marked_moves};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::mesh::SurfaceMesh;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::{PrintOptions, PrintPlan};
+use curvlay_toolpath::support::SupportOptions;
 use std::time::{Duration, Instant};
 
 /// Width of a bead by the height of its layer where neither is given: 1 mm on 0.6 mm, as in the dissertation (section 5.3.2).
@@ -244,7 +249,7 @@ fn laid_wires(
     given: &Given,
     layers: &PartLayers,
     taped: &[TapedLayer],
-) -> Result<Vec<Vec<curvlay_toolpath::surface::Tape>>, Failure> {
+) -> Result<Vec<Vec<curvlay_toolpath::fiber::tapes::Tape>>, Failure> {
     let mut of_layers = vec![Vec::new(); taped.len()];
     let Some(path) = &args.wires else { return Ok(of_layers) };
     let options = ConductorOptions { thickness: args.tape_thickness_mm, ..ConductorOptions::default() };

@@ -14,13 +14,17 @@ use curvlay_examples::motion::shown::{self, Played};
 use curvlay_examples::motion::{NO_HOME, OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, waypoints};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_examples::viewer;
+use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    Goal, HeadInput, HeadSignal, Move, RapidOptions, ReadError, Step, StreamOptions, UrScriptReader, read_rapid,
-    write_urscript,
+    Goal, HeadInput, HeadSignal, Move, RapidOptions, ReadError, Step, UrScriptReader, read_rapid, write_urscript,
 };
-use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisWorkcell, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
-use curvlay_toolpath::surface::{FilledLayers, GougingOptions, LayerSurface, LayerTapes, Nozzle, PrintPlan, TapeHead};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
+use curvlay_toolpath::fill::FilledLayers;
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::plan::PrintPlan;
 use curvlay_trajectory::print::{self, Fault, LegKind, PrintLimits, PrintOptions, plan_print};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io;
@@ -193,7 +197,7 @@ impl Work<'_> {
     }
 
     /// The runs of beads before which the nozzle comes from home: behind layers with tapes, and where programs would grow too long.
-    fn cuts(&self, cell: &SixAxisCell, beads: &print::PrintPlan<6, 1>) -> BTreeSet<usize> {
+    fn cuts(&self, cell: &SixAxisWorkcell, beads: &print::PrintPlan<6, 1>) -> BTreeSet<usize> {
         let mut cuts = programs::cuts(cell, beads, false, None);
         let layer = |run: usize| beads.runs[run].layer;
         let has_tapes = |run: &usize| self.tapes.iter().any(|list| (layer(run - 1)..layer(*run)).contains(&list.layer));
@@ -203,7 +207,7 @@ impl Work<'_> {
 }
 
 /// Without a home posture there are no programs.
-fn nowhere(cell: &SixAxisCell, beads: &print::PrintPlan<6, 1>, tapes: &[LayerTapes]) -> PartMotion {
+fn nowhere(cell: &SixAxisWorkcell, beads: &print::PrintPlan<6, 1>, tapes: &[LayerTapes]) -> PartMotion {
     let fault = Fault { layer: 0, path: 0, kind: print::FaultKind::NoTransfer, waypoint: 0, what: NO_HOME.to_owned() };
     PartMotion {
         cell: cell.equipment().name().to_owned(),
@@ -223,7 +227,7 @@ fn nowhere(cell: &SixAxisCell, beads: &print::PrintPlan<6, 1>, tapes: &[LayerTap
 
 /// What programs are written from.
 struct Written<'a> {
-    cell: &'a SixAxisCell,
+    cell: &'a SixAxisWorkcell,
     beads: &'a print::PrintPlan<6, 1>,
     /// One for each list of tapes.
     taped: &'a [TapeMotion],

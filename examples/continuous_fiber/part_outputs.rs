@@ -15,8 +15,9 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::{self, Model};
+use curvlay_toolpath::fiber::bedding::TapePlace;
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
 use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{LayerTapes, TapeHead, TapePlace};
 use std::io::Write;
 use std::time::Instant;
 

@@ -9,11 +9,15 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{UnitVector3, Vector3};
-use curvlay_toolpath::gcode::Move;
-use curvlay_toolpath::surface::{
-    DirectionField, LayerSurface, Nozzle, PathOptions, PrintOptions, SurfaceMesh, Tape, TapeOptions, fill_layers,
-    lay_tapes, marked_moves,
-};
+use curvlay_toolpath::fiber::direction::DirectionField;
+use curvlay_toolpath::fiber::tapes::{Tape, TapeOptions, lay_tapes};
+use curvlay_toolpath::fill::fill_layers;
+use curvlay_toolpath::gcode::{Move, marked_moves};
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::mesh::SurfaceMesh;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::PrintOptions;
 
 /// The arc in planar layers.
 pub struct Planar {

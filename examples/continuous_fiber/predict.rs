@@ -4,8 +4,9 @@ use super::arcs::{APART, Arcs};
 use super::specimens::{DUMBBELL_MM, Specimen};
 use curvlay_examples::args::Failure;
 use curvlay_layers::elastic::{Material, Orthotropic};
-use curvlay_toolpath::surface::{
-    LayUp, SandwichLayer, StiffnessError, TapeInSection, arch_stiffness_n_mm, three_point_rigidity_nm2,
+use curvlay_toolpath::fiber::sandwich::SandwichLayer;
+use curvlay_toolpath::fiber::stiffness::{
+    LayUp, StiffnessError, TapeInSection, arch_stiffness_n_mm, three_point_rigidity_nm2,
 };
 
 /// Young's modulus of the dumbbells without and with fibre, in GPa (section 5.4.1).

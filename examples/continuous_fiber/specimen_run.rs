@@ -15,7 +15,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::nozzle_of;
 use curvlay_layers::elastic::Material;
-use curvlay_toolpath::surface::{ConductorOptions, Tape, TapeOptions};
+use curvlay_toolpath::fiber::conductor::ConductorOptions;
+use curvlay_toolpath::fiber::tapes::{Tape, TapeOptions};
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -4,7 +4,7 @@ use super::layer::LoadedLayer;
 use super::{Args, drawing};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::summary::Summary;
-use curvlay_toolpath::surface::{Tape, TapePlan};
+use curvlay_toolpath::fiber::tapes::{Tape, TapePlan};
 use std::io::{self, Write};
 
 /// Steering radii from here on are written as this: JSON has no infinity, and so straight is straight.

@@ -5,12 +5,18 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::Point3;
-use curvlay_toolpath::gcode::{Move, Tool};
-use curvlay_toolpath::surface::{
-    BuiltLayer, DirectionField, FilledLayer, LayerCurve, LayerStack, LayerSurface, LayerTapes, Nozzle, PathOptions,
-    PrintOptions, PrintPlan, SandwichLayer, SandwichOptions, SurfaceMesh, SurfacePath, TapeHead, TapeOptions, TapePlan,
-    deposit_along, fill_layers, lay_tapes, marked_moves, raise, sandwich, with_tapes,
-};
+use curvlay_toolpath::deposit::deposit_along;
+use curvlay_toolpath::fiber::direction::DirectionField;
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead, with_tapes};
+use curvlay_toolpath::fiber::sandwich::{SandwichLayer, SandwichOptions, raise, sandwich};
+use curvlay_toolpath::fiber::tapes::{TapeOptions, TapePlan, lay_tapes};
+use curvlay_toolpath::fill::{FilledLayer, fill_layers};
+use curvlay_toolpath::gcode::{Move, Tool, marked_moves};
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface};
+use curvlay_toolpath::mesh::SurfaceMesh;
+use curvlay_toolpath::path::{PathOptions, SurfacePath};
+use curvlay_toolpath::plan::{PrintOptions, PrintPlan};
 use std::time::{Duration, Instant};
 
 /// Width of a bead: the nozzle of the dissertation has 1 mm.

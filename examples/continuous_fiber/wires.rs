@@ -4,7 +4,9 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::waypoints::fault;
-use curvlay_toolpath::surface::{ConductorOptions, SurfaceMesh, Tape, conductor};
+use curvlay_toolpath::fiber::conductor::{ConductorOptions, conductor};
+use curvlay_toolpath::fiber::tapes::Tape;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 

@@ -7,7 +7,7 @@ use clap::{Command, CommandFactory, Parser, ValueEnum};
 use curvlay_examples::args::{AllowArgs, Common, Failure, GrowArgs, MeshArgs, VoxelArgs, above_zero, from_zero};
 use curvlay_examples::orienting::OrientArgs;
 use curvlay_examples::settings::{self, Settings};
-use curvlay_toolpath::surface::Pattern;
+use curvlay_toolpath::path::Pattern;
 use std::path::PathBuf;
 
 /// A print in curved layers, after Dai (2020), chapter 3: an audited order of cells, surfaces, paths, machine file, robot motion.
@@ -39,7 +39,7 @@ pub struct Args {
     /// that layers may have, instead of in an order that is searched. Beads hold about 45
     #[arg(long = "max-overhang", value_name = "DEGREES", value_parser = overhang, allow_negative_numbers = true, conflicts_with_all = ["base", "directions"], conflicts_with_all = SEARCHED_ORDER, help_heading = CELLS)]
     pub max_overhang_deg: Option<f64>,
-    /// Settings of a printer, a JSON file (docs/formats.md; three are in examples/profiles); command-line options override it
+    /// Settings of a printer, a JSON file (docs/formats/profiles.md; three are in examples/profiles); command-line options override it
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub profile: Option<PathBuf>,
     /// The last stage to run

@@ -2,8 +2,8 @@
 
 use clap::{Args, ValueEnum};
 use curvlay_examples::args::{from_zero, typed_name};
-use curvlay_layers::curved::{self, CompleteOptions, DirectedOptions, NozzleRule, NozzleUse, SupportOptions};
-use curvlay_toolpath::surface::Nozzle;
+use curvlay_layers::curved::{self, DirectedOptions, LayerOptions, NozzleRule, NozzleUse, SupportOptions};
+use curvlay_toolpath::gouging::Nozzle;
 
 /// Cells that no order builds by the hull rule.
 #[derive(Args, Clone, Copy, Debug)]
@@ -110,7 +110,7 @@ impl CompleteArgs {
     }
 
     /// As layering takes them.
-    pub fn options(self, layers_by: LayersBy, is_best: bool, nozzle: &Nozzle) -> CompleteOptions {
+    pub fn options(self, layers_by: LayersBy, is_best: bool, nozzle: &Nozzle) -> LayerOptions {
         let (growth, support) = self.with_strategy(is_best);
         let rule = NozzleRule {
             tip_flat_mm: 2.0 * nozzle.tip_radius(),
@@ -130,7 +130,8 @@ impl CompleteArgs {
         let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);
         let columns = SupportOptions { width, contact, gap, ..SupportOptions::default() };
         let directed = DirectedOptions { max_tilt: self.max_layer_tilt_deg.map(f64::to_radians) };
-        CompleteOptions { layers_by, nozzle, rule, directed, support: (support == Support::Auto).then_some(columns) }
+        let support = (support == Support::Auto).then_some(columns);
+        LayerOptions { layers_by, nozzle, rule, directed, support, ..LayerOptions::default() }
     }
 
     /// Says what does not go together.

@@ -16,10 +16,14 @@ use curvlay_examples::mesh::Mesh;
 use curvlay_examples::orienting::{laid, search};
 use curvlay_examples::settings::{BEAD_MM, LAYER_HEIGHT_MM, Profile};
 use curvlay_examples::shapes::{jug, small_jug};
-use curvlay_layers::curved::Rules;
 use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
-use curvlay_toolpath::surface::{DepositionOptions, Nozzle, PathOptions, PrintOptions, SupportOptions};
+use curvlay_layers::curved::{LayerOptions, Rules};
+use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::path::PathOptions;
+use curvlay_toolpath::plan::PrintOptions;
+use curvlay_toolpath::support::SupportOptions;
 use std::path::Path;
 use std::time::Instant;
 
@@ -163,7 +167,8 @@ impl Args {
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
-        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, strategy, complete, height_mm }
+        let layers = LayerOptions { strategy, height_mm, ..complete };
+        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, layers }
     }
 
     /// Turns the part into its best pose.

@@ -5,9 +5,10 @@ use crate::args::failure;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
-use curvlay_toolpath::surface::{PrintOptions, StatisticsOptions};
+use curvlay_toolpath::plan::PrintOptions;
+use curvlay_toolpath::statistics::StatisticsOptions;
 
-/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions.md): a cell of the part in an order by the
+/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions/28-command-line.md): a cell of the part in an order by the
 /// hull rule alone, in one that the nozzle or support completes, and with its share of the surfaces; a cell of the grid without surfaces and
 /// with them; a point of a curve before it is simplified; a waypoint of the machine file, and one of a motion.
 const HULL_CELL: f64 = 50.0;

@@ -4,17 +4,18 @@ use crate::estimate::{self, Memory};
 use crate::failure;
 use crate::guide::{GivenDirections, Guide};
 use crate::mould::{Mould, Standing};
-use crate::surfaces::{self, Made, SurfaceOptions, SurfacesRun};
+use crate::order::{Ordered, Times};
+use crate::surfaces::{self, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::mesh::UNCERTAIN_SHARE;
+use curvlay_layers::ProgressFn;
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{
-    AuditReport, CompleteOptions, CompletePart, Growth, Guides, Impossible, JudgedByNozzle, LayerQuality, LayersBy,
-    Neighbours, NoSupport, NozzleUse, Platform, ProofError, Rules, Strategy, SupportCells, Workpiece,
-    audit_with_nozzle, check_impossible, layer_quality, prove_impossible,
+    AuditReport, Growth, Guides, Impossible, LayerOptions, LayerQuality, LayersBy, LayersError, Neighbours, NoSupport,
+    NozzleUse, Platform, ProofError, Rules, Workpiece, check_impossible, layer_quality, prove_impossible,
 };
 use curvlay_voxel::inspect::{MeshReport, ThinFeatures, inspect, thinner_than};
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -31,16 +32,12 @@ pub struct FieldOptions {
     /// Whether a cell at exactly that depth does not count.
     pub beyond_eps: bool,
     pub platform_diameter_mm: f64,
-    /// None for the best one.
-    pub strategy: Option<Strategy>,
-    /// What is done about cells that the order misses.
-    pub complete: CompleteOptions,
-    /// Layer height, by which the best one is chosen; none for the edge of a cell.
-    pub height_mm: Option<f64>,
+    /// How the part is layered; the height is that of a printer's layers, if the cells are to follow from it.
+    pub layers: LayerOptions,
 }
 
 /// Cells that a part gets unless the user says. With more of them layers wait for each other at more places: a hollow bunny of 92 mm has
-/// eight times the curves with a million (docs/decisions.md). With fewer cells, thin walls get none.
+/// eight times the curves with a million (docs/decisions/02-voxels.md). With fewer cells, thin walls get none.
 const CELLS: u64 = 100_000;
 
 /// Large parts get more, so that cells are no higher than this many layers: contours take layers down to a fifth of a cell.
@@ -144,21 +141,6 @@ pub struct Given<'a> {
     pub bare: &'a [Point3<f64>],
 }
 
-/// How long the steps took.
-pub struct Times {
-    pub inspect: Duration,
-    pub voxelise: Duration,
-    pub peel: Duration,
-    /// Peeling included, and a second strategy if it was tried.
-    pub grow: Duration,
-    pub audit: Duration,
-    /// Of the proofs that missed cells are impossible, and of their check.
-    pub prove: Duration,
-    pub check_proofs: Duration,
-    /// All of these, and the surfaces: those of the order that was not taken as well.
-    pub total: Duration,
-}
-
 /// Runs `work` and says how long it took.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
@@ -176,65 +158,100 @@ fn exact_volume(part: &Part, mesh: &MeshReport) -> Option<f64> {
     (is_exact && holes_mm3 <= UNCERTAIN_SHARE * volume_mm3).then_some(volume_mm3)
 }
 
+/// The part in cells, and what it stands on.
+struct PartInCells {
+    solid: Voxelisation,
+    platform: Option<Platform>,
+    mould: Option<Mould>,
+    /// Cells that lie deep in the mould.
+    buried: Vec<u32>,
+}
+
+impl PartInCells {
+    /// Cells of the size that a saved field has, or the user asks for, or that follows from the layer height; without those in the mould.
+    fn new(options: &FieldOptions, given: &Given, bars: &Bars) -> Result<Self, Failure> {
+        let Given { part, mould, saved, .. } = given;
+        let derived =
+            || options.layers.height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part));
+        let of_saved = |saved| surfaces::resolution(saved, part, mould.is_some());
+        let resolution = saved.as_ref().map(of_saved).or(options.resolution).unwrap_or_else(derived);
+        let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
+        let progress = |p: curvlay_voxel::Progress| bars.show(p.stage, p.done, p.total);
+        let solid = voxelise(&part.mesh.vertices, &part.mesh.triangles, &voxel_options, &progress)
+            .map_err(|error| of_part(part, error))?;
+        let Some(mould) = mould else {
+            return Ok(PartInCells { solid, platform: None, mould: None, buried: Vec::new() });
+        };
+        let Standing { mould, platform, solid, buried } = Mould::stand(mould, solid, options.platform_diameter_mm)?;
+        Ok(PartInCells { solid, platform: Some(platform), mould: Some(mould), buried })
+    }
+}
+
+/// The platform: the one with the mould, or a disc under the part.
+fn platform_of(
+    with_mould: Option<Platform>,
+    cells: &Cells,
+    cell_mm: f64,
+    diameter_mm: f64,
+    part: &Part,
+) -> Result<Platform, Failure> {
+    if let Some(platform) = with_mould {
+        return Ok(platform);
+    }
+    Platform::under(cells, diameter_mm / 2.0 / cell_mm).map_err(|_| {
+        let what = format!("the part and a platform of {diameter_mm} mm are too large for cells of {cell_mm} mm");
+        of_part(part, format!("{what}: take larger cells, or check --unit"))
+    })
+}
+
+/// An error that names the part.
+fn of_part(part: &Part, error: impl std::fmt::Display) -> Failure {
+    failure(format!("{}: {error}", part.name))
+}
+
+/// What is made of the cells before there are paths: it decides how much memory the run takes.
+fn made(options: &FieldOptions, surfaces: Option<&SurfaceOptions>, is_saved: bool) -> estimate::Made {
+    let LayerOptions { nozzle, support, strategy, .. } = options.layers;
+    match (surfaces, is_saved, strategy) {
+        (None, true, _) => estimate::Made::CompleteOrder,
+        (None, false, Some(_)) if nozzle == NozzleUse::Off && support.is_none() => estimate::Made::OrderByHulls,
+        (None, false, Some(_)) => estimate::Made::CompleteOrder,
+        // The best strategy makes surfaces to choose, where cells are missed.
+        _ => estimate::Made::Surfaces,
+    }
+}
+
 /// Makes the cells and their order, on a mould if there is one, and with options for them the surfaces; of a field that was `saved` if there is one.
 pub fn run(
     options: &FieldOptions,
     surfaces: Option<&SurfaceOptions>,
     memory: Memory,
-    Given { part, mould, guide, saved, bare }: Given,
+    mut given: Given,
     bars: &Bars,
 ) -> Result<(FieldRun, Option<SurfacesRun>), Failure> {
-    let of_part = |error: &dyn std::fmt::Display| failure(format!("{}: {error}", part.name));
+    let part = given.part;
     let (vertices, triangles) = (&part.mesh.vertices, &part.mesh.triangles);
-    saved
-        .iter()
-        .try_for_each(|saved| saved.check_mesh(mesh_stamp(vertices, triangles)).map_err(|error| of_part(&error)))?;
+    let of_mesh = |saved: &SavedField| saved.check_mesh(mesh_stamp(vertices, triangles));
+    given.saved.iter().try_for_each(of_mesh).map_err(|error| of_part(part, error))?;
     let (mesh, inspect_time) = timed(|| inspect(vertices, triangles));
-    let mesh = mesh.map_err(|error| of_part(&error))?;
-    let derived = || options.height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part));
-    let of_saved = |saved| surfaces::resolution(saved, part, mould.is_some());
-    let resolution = saved.as_ref().map(of_saved).or(options.resolution).unwrap_or_else(derived);
-    let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };
-    let (solid, voxelise_time) =
-        timed(|| voxelise(vertices, triangles, &voxel_options, &|p| bars.show(p.stage, p.done, p.total)));
-    let (solid, platform_mm) = (solid.map_err(|error| of_part(&error))?, options.platform_diameter_mm);
-    let (mould, platform, solid, buried) = match mould {
-        Some(mould) => {
-            let Standing { mould, platform, solid, buried } = Mould::stand(mould, solid, platform_mm)?;
-            (Some(mould), Some(platform), solid, buried)
-        }
-        None => (None, None, solid, Vec::new()),
-    };
-    let by_hulls = options.complete.nozzle == NozzleUse::Off && options.complete.support.is_none();
-    let made = match (surfaces, &saved, options.strategy) {
-        (None, Some(_), _) => estimate::Made::CompleteOrder,
-        (None, None, Some(_)) if by_hulls => estimate::Made::OrderByHulls,
-        (None, None, Some(_)) => estimate::Made::CompleteOrder,
-        // The best strategy makes surfaces to choose, where cells are missed.
-        _ => estimate::Made::Surfaces,
-    };
-    memory.holds_cells(solid.grid.dims(), solid.grid.count(), made)?;
-    let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, solid.grid.cell_mm()));
-    let thin = thin.map_err(|error| of_part(&error))?;
+    let mesh = mesh.map_err(|error| of_part(part, error))?;
+    let (in_cells, voxelise_time) = timed(|| PartInCells::new(options, &given, bars));
+    let PartInCells { solid, platform, mould, buried } = in_cells?;
+    let grid = &solid.grid;
+    memory.holds_cells(grid.dims(), grid.count(), made(options, surfaces, given.saved.is_some()))?;
+    let (thin, thin_time) = timed(|| thinner_than(vertices, triangles, grid.cell_mm()));
+    let thin = thin.map_err(|error| of_part(part, error))?;
 
-    let (cells, cell_mm) = (Cells::new(solid.grid.dims(), solid.grid.rows())?, solid.grid.cell_mm());
-    saved.iter().try_for_each(|saved| saved.check_cells(&cells, solid.grid.origin()))?;
-    let platform = match platform {
-        Some(platform) => platform,
-        None => Platform::under(&cells, platform_mm / 2.0 / cell_mm).map_err(|_| {
-            of_part(&format!(
-                "the part and a platform of {platform_mm} mm are too large for cells of {cell_mm} mm: take larger cells, or \
-                 check --unit"
-            ))
-        })?,
-    };
+    let cells = Cells::new(grid.dims(), grid.rows())?;
+    given.saved.iter().try_for_each(|saved| saved.check_cells(&cells, grid.origin()))?;
+    let platform = platform_of(platform, &cells, grid.cell_mm(), options.platform_diameter_mm, part)?;
     let shifted: Vec<Point3<f64>> = vertices.iter().map(|vertex| vertex + solid.shift).collect();
     let mut workpiece = Workpiece {
         vertices: &shifted,
         triangles,
         cells,
-        cell_mm,
-        origin: solid.grid.origin(),
+        cell_mm: grid.cell_mm(),
+        origin: grid.origin(),
         platform: &platform,
         rules: Rules { eps: options.eps, eps_is_inside: !options.beyond_eps, ..Rules::default() },
         volume_mm3: mesh.volume_mm3(),
@@ -245,137 +262,89 @@ pub fn run(
         clock.note(p.stage, p.done);
         bars.show(p.stage, p.done, p.total)
     };
-    if let Some(exact_mm3) = exact_volume(part, &mesh) {
-        workpiece.volume_mm3 = exact_mm3;
-    } else {
-        clock.note("volume", 0);
-        let all: Vec<u32> = cells.iter().collect();
-        workpiece.volume_mm3 = workpiece.volume_of(&all, &progress).map_err(|error| surfaces::failed(error, part))?;
-    }
     let layers_failed = |error| surfaces::failed(error, part);
-    let buried_mm3 = workpiece.volume_of(&buried, &progress).map_err(layers_failed)?;
-    workpiece.volume_mm3 -= buried_mm3;
-    let complete = &options.complete;
-    let height_mm = surfaces.map_or(options.height_mm, |surfaces| surfaces.height_mm).unwrap_or(cell_mm);
+    let exact_mm3 = exact_volume(part, &mesh);
+    let buried_mm3 = measure(&mut workpiece, exact_mm3, &buried, &clock, &progress).map_err(layers_failed)?;
+    let layers = LayerOptions {
+        height_mm: surfaces.map_or(options.layers.height_mm, |surfaces| surfaces.height_mm),
+        coherent: surfaces.is_some_and(|surfaces| surfaces.coherent),
+        ..options.layers
+    };
     clock.note("grow", 0);
-    let below = workpiece.cells_below(bare).map_err(layers_failed)?;
+    let below = workpiece.cells_below(given.bare).map_err(layers_failed)?;
     workpiece.guides.support = &below;
-    let guided = guide.map(|guide| guide.in_cells(&workpiece, solid.shift, complete)).transpose()?.unwrap_or_default();
+    let guided = given.guide.map(|guide| guide.in_cells(&workpiece, solid.shift, &layers)).transpose()?;
+    let guided = guided.unwrap_or_default();
     workpiece.guides.heights = guided.heights.as_deref();
     workpiece.guides.directions = guided.directions.as_deref();
-    let (mut support, mut contact, mut straight_cells) = (Vec::new(), Vec::new(), 0);
-    let (mut no_support, mut layers_by) = (None, None);
-    let (growth, missed_by_hull, strategy, audit, made) = if let Some(saved) = saved {
-        let growth = saved.growth()?;
-        (support, contact) = (saved.aids.support.clone(), saved.aids.contact.clone());
-        let steps = saved.field.steps_per_layer();
-        let judged = JudgedByNozzle { rule: saved.aids.rule, cell_mm, steps, cells: &growth.nozzle };
-        let missed = growth.missed_cells();
-        clock.note("audit", 0);
-        let order = saved.field.order();
-        let audit =
-            audit_with_nozzle(&saved.cells()?, &platform, &workpiece.rules, &judged, &order, &missed, &progress)
-                .map_err(failure)?;
-        let layers = surfaces.map(|_| {
-            let cells = SupportCells { cells: &support, contact: &contact };
-            workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, &progress)
-        });
-        let layers = layers.transpose().map_err(layers_failed)?;
-        let made = layers.map(|(layers, support)| {
-            let SavedField { field, aids, .. } = saved;
-            Made { layers, support, field, aids, method: "saved".to_owned(), waits: 0 }
-        });
-        (growth, missed, "saved", audit, made)
-    } else {
-        let order =
-            workpiece.complete_order(options.strategy, height_mm, complete, &progress).map_err(layers_failed)?;
-        (no_support, layers_by) = (order.no_support, Some(order.layers_by));
-        if let Some(supported) = &order.supported {
-            (support, contact) = (supported.support.clone(), supported.contact.clone());
-            straight_cells = supported.straight_cells;
-        }
-        let name = match order.layers_by {
-            LayersBy::Distance => "distance",
-            LayersBy::Directed => "directed",
-            _ => order.strategy.name(),
-        };
-        let (audit, missed) = (order.audit.clone(), order.missed_by_hull.clone());
-        // There are no layers of an order that fails its audit.
-        let (growth, made) = match surfaces.filter(|_| order.audit.is_ok()) {
-            Some(surfaces) => {
-                let made = if surfaces.coherent {
-                    workpiece.coherent_layers_of_complete(order, height_mm, complete, &progress)
-                } else {
-                    workpiece.layers_of_complete(order, height_mm, complete, &progress)
-                };
-                let CompletePart { layered, support, .. } = made.map_err(layers_failed)?;
-                (layered.growth.clone(), Some(Made::of(layered, support, complete.rule)))
-            }
-            None => (order.supported.map_or(order.growth, |supported| supported.growth), None),
-        };
-        (growth, missed, name, audit, made)
+    let makes_surfaces = surfaces.is_some();
+    let mut ordered = match given.saved.take() {
+        Some(saved) => Ordered::saved(saved, &workpiece, &layers, makes_surfaces, (part, &clock), &progress)?,
+        None => Ordered::grown(&workpiece, &layers, makes_surfaces, part, &progress)?,
     };
+    let made = ordered.made.take();
+    let Ordered { growth, missed_by_hull, contact, .. } = &ordered;
     clock.note("impossible", 0);
-    let impossible = prove_impossible(&cells, &platform, &workpiece.rules, &missed_by_hull, &progress)?;
+    let impossible = prove_impossible(&cells, &platform, &workpiece.rules, missed_by_hull, &progress)?;
     clock.note("check", 0);
     let proofs = check_impossible(&cells, &platform, &workpiece.rules, &impossible);
     clock.stop();
-    let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &growth, part, &clock);
+    let finish = |(made, options)| surfaces::finish(options, made, &workpiece, growth, part, &clock);
     let surfaces = made.zip(surfaces).map(finish).transpose()?;
-    let [peel, grow, audit_time, prove, check_proofs] = [
-        &["peel"][..],
-        &["grow", "distance", "peel", "unbuild", "nozzle", "support"],
-        &["audit"],
-        &["impossible"],
-        &["check"],
-    ]
-    .map(|stages| clock.on_the_clock(stages));
-    let inspect_time = inspect_time + thin_time;
-    let surfaces_time = clock.on_the_clock(&["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"]);
-    let total = inspect_time + voxelise_time + grow + audit_time + prove + check_proofs + surfaces_time;
-    let times = Times {
-        inspect: inspect_time,
-        voxelise: voxelise_time,
-        peel,
-        grow,
-        audit: audit_time,
-        prove,
-        check_proofs,
-        total,
-    };
-    let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
-    let (part_mm3, part_is_estimated) = (workpiece.volume_mm3, exact_volume(part, &mesh).is_none());
+    let times = Times::of(&clock, inspect_time + thin_time, voxelise_time);
     let missed_mm3 = match &surfaces {
         Some(surfaces) => surfaces.missed_mm3,
         None => workpiece.volume_of(&growth.missed_cells(), &progress).map_err(layers_failed)?,
     };
-    let contact_mm3 =
-        contact.len() as f64 * cell_mm.powi(3) - workpiece.volume_of(&contact, &progress).map_err(layers_failed)?;
+    let contact_cells_mm3 = contact.len() as f64 * grid.cell_mm().powi(3);
+    let contact_mm3 = contact_cells_mm3 - workpiece.volume_of(contact, &progress).map_err(layers_failed)?;
+    let quality = layer_quality(&cells, &growth.order, Neighbours::FaceOrEdge);
     let field = FieldRun {
         mesh,
         thin,
-        solid,
-        platform,
+        quality,
+        part_mm3: workpiece.volume_mm3,
+        part_is_estimated: exact_mm3.is_none(),
         mould,
         buried_mm3,
-        growth,
-        layers_by,
-        strategy,
-        audit,
-        missed_by_hull,
+        growth: ordered.growth,
+        layers_by: ordered.layers_by,
+        strategy: ordered.strategy,
+        audit: ordered.audit,
+        missed_by_hull: ordered.missed_by_hull,
         given: guided.given,
         below_beads: below.len(),
-        support,
+        support: ordered.support,
         contact_mm3,
-        straight_cells,
-        no_support,
+        straight_cells: ordered.straight_cells,
+        no_support: ordered.no_support,
         impossible,
         proofs,
-        quality,
-        part_mm3,
-        part_is_estimated,
         missed_mm3,
         times,
+        solid,
+        platform,
     };
     Ok((field, surfaces))
+}
+
+/// Measures the volume of the part, which is that of its mesh if that is exact, and takes off what lies in the mould. Returns that.
+fn measure(
+    workpiece: &mut Workpiece,
+    exact_mm3: Option<f64>,
+    buried: &[u32],
+    clock: &StageClock,
+    progress: ProgressFn,
+) -> Result<f64, LayersError> {
+    workpiece.volume_mm3 = match exact_mm3 {
+        Some(exact_mm3) => exact_mm3,
+        None => {
+            clock.note("volume", 0);
+            let all: Vec<u32> = workpiece.cells.iter().collect();
+            workpiece.volume_of(&all, progress)?
+        }
+    };
+    let buried_mm3 = workpiece.volume_of(buried, progress)?;
+    workpiece.volume_mm3 -= buried_mm3;
+    Ok(buried_mm3)
 }

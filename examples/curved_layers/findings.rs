@@ -13,7 +13,7 @@ use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{self, MissedReason, NoSupport};
-use curvlay_toolpath::surface::NozzlePart;
+use curvlay_toolpath::gouging::NozzlePart;
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
 use std::collections::BTreeSet;

@@ -7,7 +7,7 @@ use curvlay_examples::findings::Findings;
 use curvlay_examples::findings::Severity::Told;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::waypoints::{fault, read_waypoints};
-use curvlay_layers::curved::{CompleteOptions, DirectionAt, Workpiece};
+use curvlay_layers::curved::{DirectionAt, LayerOptions, Workpiece};
 use nalgebra::{Point3, Vector3};
 
 /// Directions are steeper than the limit from so much on, in degrees: files are rounded.
@@ -84,12 +84,7 @@ impl Guide {
     }
 
     /// As it holds for the cells of a part, whose file lay elsewhere by `shift`.
-    pub fn in_cells(
-        &self,
-        part: &Workpiece,
-        shift: Vector3<f64>,
-        complete: &CompleteOptions,
-    ) -> Result<Guided, Failure> {
+    pub fn in_cells(&self, part: &Workpiece, shift: Vector3<f64>, options: &LayerOptions) -> Result<Guided, Failure> {
         match self {
             Guide::Base { name, mesh } => {
                 let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
@@ -101,7 +96,7 @@ impl Guide {
                 let shifted: Vec<DirectionAt> =
                     places.iter().map(|at| DirectionAt { place: at.place + shift, ..*at }).collect();
                 let found = part.directions_at(&shifted).map_err(|error| failure(format!("{name}: {error}")))?;
-                let max_tilt = complete.directed.tilt_for(&complete.rule)?;
+                let max_tilt = options.directed.tilt_for(&options.rule)?;
                 let is_too_steep =
                     |at: &&DirectionAt| at.direction.angle(&Vector3::z()) > max_tilt + ROUNDED_DEG.to_radians();
                 let given = GivenDirections {

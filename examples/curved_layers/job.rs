@@ -18,7 +18,7 @@ use curvlay_examples::orienting::Search;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::settings::NOZZLE;
 use curvlay_kinematics::workcell::AnyWorkcell;
-use curvlay_toolpath::surface::Nozzle;
+use curvlay_toolpath::gouging::Nozzle;
 use std::time::Duration;
 
 /// The pose that was found for the part.

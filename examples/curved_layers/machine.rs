@@ -8,11 +8,14 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::mesh::Mesh;
-use curvlay_toolpath::gcode::Move;
-use curvlay_toolpath::surface::{
-    BeadSupport, Deposition, Nozzle, OrientOptions, PrintPlan, ResolvedPaths, SkinGap, SkinOptions, ToolPath, Travels,
-    Turns, check_support, check_support_on_mould, marked_moves, skin_gap,
-};
+use curvlay_toolpath::deposit::Deposition;
+use curvlay_toolpath::gcode::{Move, marked_moves};
+use curvlay_toolpath::gouging::{Nozzle, ResolvedPaths};
+use curvlay_toolpath::orientation::{OrientOptions, ToolPath, Turns};
+use curvlay_toolpath::plan::PrintPlan;
+use curvlay_toolpath::shell::{SkinGap, SkinOptions, skin_gap};
+use curvlay_toolpath::support::{BeadSupport, check_support, check_support_on_mould};
+use curvlay_toolpath::travel::Travels;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use std::time::Duration;

@@ -4,7 +4,7 @@ use crate::failure;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::Platform;
-use curvlay_toolpath::surface;
+use curvlay_toolpath::layer;
 use curvlay_voxel::{VoxelGrid, VoxelOptions, Voxelisation};
 use nalgebra::{Point3, Vector3};
 
@@ -54,8 +54,8 @@ impl Mould {
     }
 
     /// As the nozzle must keep clear of it.
-    pub fn surface(&self, layer_mm: f64) -> surface::Mould<'_> {
-        surface::Mould { vertices: &self.vertices, triangles: &self.triangles, skin: layer_mm }
+    pub fn surface(&self, layer_mm: f64) -> layer::Mould<'_> {
+        layer::Mould { vertices: &self.vertices, triangles: &self.triangles, skin: layer_mm }
     }
 
     /// Where it stands, along x and y of the machine file.

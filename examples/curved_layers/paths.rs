@@ -7,11 +7,13 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
-use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LayerStack, LayerSurface, LeftOutParts,
-    SHORT_CURVE_BEADS, StackError, SurfacePath, fill_range, fill_rest,
+use curvlay_toolpath::fill::{
+    Bridges, FillLayersError, FillTotals, FilledLayer, FilledLayers, LeftOutParts, SHORT_CURVE_BEADS, fill_range,
+    fill_rest,
 };
+use curvlay_toolpath::layer::{LayerStack, LayerSurface, StackError};
+use curvlay_toolpath::nalgebra::Point3;
+use curvlay_toolpath::path::SurfacePath;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 

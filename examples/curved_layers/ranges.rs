@@ -10,7 +10,10 @@
 use curvlay_examples::input::{self, InputError};
 use curvlay_examples::output::{OutputError, OutputFolder};
 use curvlay_layers::curved::surface::mesh_stamp;
-use curvlay_toolpath::surface::{FilledLayer, LayerPaths, LayerSurface, PathOptions, SurfacePoint};
+use curvlay_toolpath::fill::FilledLayer;
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::mesh::SurfacePoint;
+use curvlay_toolpath::path::{LayerPaths, PathOptions};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};

@@ -13,7 +13,7 @@ use curvlay_layers::curved::{
     Growth, LayerSurfaces, LayeredPart, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet, Workpiece,
 };
 use curvlay_layers::nalgebra::Vector3;
-use curvlay_toolpath::surface::{DirectionHints, LayerSurface};
+use curvlay_toolpath::layer::{DirectionHints, LayerSurface};
 use curvlay_voxel::Resolution;
 use std::fmt::Display;
 use std::io::BufReader;
@@ -46,8 +46,8 @@ pub struct Made {
 
 impl Made {
     /// Of the layers of an order.
-    pub fn of(layered: LayeredPart, support: Option<PartSupport>, rule: NozzleRule) -> Self {
-        let LayeredPart { growth, uniform, surfaces: layers, .. } = layered;
+    pub fn of(layered: LayeredPart, rule: NozzleRule) -> Self {
+        let LayeredPart { growth, uniform, surfaces: layers, support, .. } = layered;
         let mut aids = PrintAids { rule, nozzle: growth.nozzle, ..PrintAids::default() };
         if let Some(PartSupport { cells, gap, contact, .. }) = &support {
             (aids.support, aids.gap, aids.contact) = (cells.clone(), gap.clone(), contact.clone());

@@ -34,7 +34,7 @@ use curvlay_examples::motion::shown::followed;
 use curvlay_examples::motion::{OnCell, STEP_S, Studied, centred, dissertation_cells, near_samples};
 use curvlay_examples::output::OutputFolder;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
-use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
+use curvlay_kinematics::workcell::{SixAxisWorkcell, Workcell};
 use curvlay_trajectory::{LadderSearch, PathOptions, PathSegment, TimedPath, Timing, timed_path};
 use outputs::smoothest;
 use path::Path6;
@@ -97,7 +97,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
 /// Table 4.1 on the smoothest motion of the UR3.
 fn study_collisions(
     run: &Run<6>,
-    cell: &SixAxisCell,
+    cell: &SixAxisWorkcell,
     timed: &TimedPath,
     args: &Args,
     bars: &Bars,

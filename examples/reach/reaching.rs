@@ -168,7 +168,7 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
     let time = start.elapsed();
 
     let nozzle = nozzle_frame(&stood.best.place, &-Vector3::z_axis());
-    let cell = curvlay_kinematics::Cell::part_in_hand(arm, flange_part, nozzle)?;
+    let cell = curvlay_kinematics::Setup::part_in_hand(arm, flange_part, nozzle)?;
     let (mut waypoints_reached, mut configurations, mut worst_mm) = (0, 0, 0.0f64);
     let mut posture = None;
     let waypoints = part(0.5 * args.box_mm, ALONG);

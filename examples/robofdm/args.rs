@@ -88,7 +88,7 @@ pub struct Args {
     /// How layers are filled
     #[arg(long, value_name = "NAME", default_value = "spiral")]
     pub pattern: PatternName,
-    /// Workcell of the motion, a JSON file; docs/formats.md describes it [default: a UR3 that holds the part under a nozzle]
+    /// Workcell of the motion, a JSON file; kinematics/docs/workcells.md describes it [default: a UR3 that holds the part under a nozzle]
     #[arg(long, value_name = "FILE")]
     pub workcell: Option<PathBuf>,
     /// Puts the nozzle of a cell that holds the part where the arm reaches most

@@ -10,7 +10,8 @@ use curvlay_examples::nalgebra::{Isometry3, Vector3};
 use curvlay_kinematics::workcell::{AnyWorkcell, Held};
 use curvlay_kinematics::{ReachOptions, fullest_box, reachable_points};
 use curvlay_layers::planar::flat_layers;
-use curvlay_toolpath::surface::{DepositionOptions, Pattern};
+use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::path::Pattern;
 
 /// A box with a part's edge in which an arm's frames are counted lies above the floor and in front of the arm, in millimetres.
 const FRONT_MM: f64 = 150.0;

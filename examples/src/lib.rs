@@ -29,8 +29,3 @@ pub mod viewer;
 pub mod waypoints;
 
 pub use nalgebra;
-
-/// The snippet of the README, compiled and run with the other examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-pub struct Readme;

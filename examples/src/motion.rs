@@ -14,7 +14,8 @@ pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoint
 use crate::mesh::read_mesh;
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
-    self, AnyWorkcell, EightAxisCell, Held, LimitsModel, SixAxisCell, Workcell, WorkcellFileError, WorkcellModel,
+    self, AnyWorkcell, EightAxisWorkcell, Held, LimitsModel, SixAxisWorkcell, Workcell, WorkcellFileError,
+    WorkcellModel,
 };
 use curvlay_trajectory::print::{PrintRobot, Waypoint};
 use curvlay_trajectory::{Bounds, FreeRange, LadderError, MinSpeed, Posture, Robot, min_speed};
@@ -60,10 +61,10 @@ pub struct OnCell<W> {
 }
 
 /// A UR3 that holds the part under a nozzle.
-pub type PartInHand = OnCell<SixAxisCell>;
+pub type PartInHand = OnCell<SixAxisWorkcell>;
 
 /// An arm with the nozzle in its hand over a table that carries the part: eight axes, the table's last.
-pub type OverTable = OnCell<EightAxisCell>;
+pub type OverTable = OnCell<EightAxisWorkcell>;
 
 impl<W: Clone> OnCell<W> {
     /// With these waypoints.
@@ -214,7 +215,7 @@ const STUDIED_TIP_MM: [f64; 3] = [300.0, 60.0, 220.0];
 ///
 /// # Errors
 /// None with the files that are there.
-pub fn dissertation_cells() -> Result<(SixAxisCell, EightAxisCell), WorkcellFileError> {
+pub fn dissertation_cells() -> Result<(SixAxisWorkcell, EightAxisWorkcell), WorkcellFileError> {
     let cell = |file: &str| -> Result<AnyWorkcell, WorkcellFileError> {
         let mut model = WorkcellModel::from_json(file.as_bytes())?;
         model.arm.limits = LimitsModel::default();
@@ -231,7 +232,7 @@ pub fn dissertation_cells() -> Result<(SixAxisCell, EightAxisCell), WorkcellFile
 
 /// As few samples of tilt and turn as let the table go from one to the next in so many seconds, at the speed of the
 /// figures; at most 64 each, with which it may have to stand still.
-pub fn near_samples(cell: &EightAxisCell, seconds: f64) -> [u32; 2] {
+pub fn near_samples(cell: &EightAxisWorkcell, seconds: f64) -> [u32; 2] {
     let steps = |range: f64| (range / (SPEED_RAD_S * seconds)).ceil().clamp(3.0, 63.0) as u32;
     cell.free().map(|range| match range {
         workcell::FreeRange::Turn => steps(TAU),

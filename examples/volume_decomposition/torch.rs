@@ -11,7 +11,7 @@ use curvlay_examples::motion::{FlatPrint, Printed, TABLE_CELL, print_parts};
 use curvlay_examples::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use curvlay_kinematics::workcell::{AnyWorkcell, WorkcellModel};
 use curvlay_layers::planar::VolumePart;
-use curvlay_toolpath::surface::Pattern;
+use curvlay_toolpath::path::Pattern;
 use std::f64::consts::PI;
 
 /// How far the torch goes on above its mouth before its holder, in millimetres.

@@ -66,8 +66,8 @@ pub struct Positioner {
 /// The sine of the angle between two axes below which they count as parallel.
 const PARALLEL: f64 = 1e-6;
 
-/// Rounding of sums of squares of cosines.
-const ROUNDING: f64 = 1e-14;
+/// More than sums of squares of cosines lose by rounding.
+const SQUARES_ROUNDING: f64 = 1e-14;
 
 /// A direction this near to an axis does not say how far to turn about it.
 const ON_AXIS: f64 = 1e-9;
@@ -167,7 +167,7 @@ impl Positioner {
         let (to_tilt, to_turn) = (tilt.dot(&to), turn.dot(&from));
         let (a, b) = ((to_tilt - cos * to_turn) / square, (to_turn - cos * to_tilt) / square);
         let rest = (1.0 - a * a - b * b - 2.0 * a * b * cos) / square;
-        if rest < -ROUNDING {
+        if rest < -SQUARES_ROUNDING {
             return [None; 2];
         }
         let joints = |sign: f64| {
@@ -181,7 +181,7 @@ impl Positioner {
         let far = |joints: &Option<[f64; 2]>| {
             joints.map_or(f64::INFINITY, |j| (j[0] - reference[0]).hypot(j[1] - reference[1]))
         };
-        let mut both = [joints(1.0), (rest > ROUNDING).then(|| joints(-1.0)).flatten()];
+        let mut both = [joints(1.0), (rest > SQUARES_ROUNDING).then(|| joints(-1.0)).flatten()];
         both.sort_by(|a, b| far(a).total_cmp(&far(b)));
         both
     }

@@ -22,4 +22,4 @@ mod progress;
 pub mod trim;
 
 pub use nalgebra;
-pub use progress::Progress;
+pub use progress::{Progress, ProgressFn};

@@ -1,6 +1,6 @@
 //! Work shared out among threads, with the same result on any number of them; on one thread without the feature `rayon`.
 
-use crate::Progress;
+use crate::{Progress, ProgressFn};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -74,16 +74,13 @@ pub(crate) fn in_parallel<R: Send>(count: usize, share: usize, of: impl Fn(usize
     (0..count).map(of).collect()
 }
 
-/// What takes reports and says whether to go on.
-pub(crate) type Report<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);
-
 /// The same in stage `stage`, with a report after each; `None` if cancelled. `of` is handed what reports how far all of them
 /// have come, to ask in between whether to go on.
 pub(crate) fn in_parallel_watched<R: Send>(
     count: usize,
     stage: &'static str,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    of: impl Fn(usize, Report) -> R + Send + Sync,
+    progress: ProgressFn,
+    of: impl Fn(usize, ProgressFn) -> R + Send + Sync,
 ) -> Option<Vec<R>> {
     let (done, cancelled) = (AtomicU64::new(0), AtomicBool::new(false));
     let report = |add: u64| {

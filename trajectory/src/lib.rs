@@ -9,6 +9,8 @@
 //! * [`qp`]: the quadratic programs in stages that the global filter solves.
 //! * [`indicator`], [`transfer`], [`verify`], [`mod@print`], [`check`]: collisions, transfers, whole prints.
 
+mod angle;
+mod banded;
 mod bounds;
 pub mod check;
 mod closures;

@@ -17,7 +17,7 @@ pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
     #[arg(long, conflicts_with = "workcell")]
     pub cell8: bool,
-    /// Plans the motion in the workcell of a JSON file (docs/formats.md; three are in examples/cells)
+    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells)
     #[arg(long, value_name = "FILE")]
     pub workcell: Option<PathBuf>,
     /// Format of the robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with
@@ -105,7 +105,7 @@ impl MotionArgs {
         let file = self.workcell.as_ref().map_or_else(String::new, |file| format!("{}: ", file.display()));
         Err(Failure::new(format!(
             "{file}arm: the bodies of its links are not known, so no motion can be proven free of collisions; give `arm.bodies` \
-             (docs/formats.md), or --no-links to plan without"
+             (kinematics/docs/workcells.md), or --no-links to plan without"
         )))
     }
 

@@ -10,7 +10,7 @@ use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::waypoints;
 use curvlay_kinematics::workcell::Workcell;
-use curvlay_toolpath::surface::GougingOptions;
+use curvlay_toolpath::gouging::GougingOptions;
 use curvlay_trajectory::check::{CheckOptions, WrittenMotion, check_written};
 use curvlay_trajectory::print::PrintLimits;
 use nalgebra::Isometry3;

@@ -2,7 +2,7 @@
 
 use super::args::ProgramFormat;
 use super::checked::Checked;
-use curvlay_kinematics::workcell::{EightAxisCell, SixAxisCell};
+use curvlay_kinematics::workcell::{EightAxisWorkcell, SixAxisWorkcell};
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan};
 use nalgebra::Isometry3;
@@ -10,8 +10,8 @@ use std::collections::BTreeSet;
 
 /// What came of the stage, by the kind of cell.
 pub enum Motion {
-    Six(Box<MotionRun<6, 1, SixAxisCell>>),
-    Eight(Box<MotionRun<8, 2, EightAxisCell>>),
+    Six(Box<MotionRun<6, 1, SixAxisWorkcell>>),
+    Eight(Box<MotionRun<8, 2, EightAxisWorkcell>>),
 }
 
 /// The whole print.

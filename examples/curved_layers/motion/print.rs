@@ -14,7 +14,7 @@ use curvlay_examples::motion::{
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
 use curvlay_layers::curved::surface::SavedField;
-use curvlay_toolpath::surface::{GougingOptions, Nozzle};
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, TipSpeed, Waypoint, plan_print};
 use nalgebra::Isometry3;

@@ -9,7 +9,7 @@ use curvlay_examples::motion::shown;
 use curvlay_examples::viewer::{Mark, Marks, Mesh, Model};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::trim::{BoundaryKind, TrimmedSheet};
-use curvlay_toolpath::surface::LayerSurface;
+use curvlay_toolpath::layer::LayerSurface;
 use nalgebra::Point3;
 
 /// Colours of findings, red, green and blue.

@@ -18,7 +18,11 @@ use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
-use curvlay_toolpath::surface::{Obstacle, ResolvedPaths, SkinGap, ToolPath, UnsupportedPiece, write_paths_vtp};
+use curvlay_toolpath::gouging::{Obstacle, ResolvedPaths};
+use curvlay_toolpath::orientation::ToolPath;
+use curvlay_toolpath::shell::SkinGap;
+use curvlay_toolpath::support::UnsupportedPiece;
+use curvlay_toolpath::vtp::write_paths_vtp;
 use serde_json::Value;
 use std::io;
 
@@ -212,7 +216,7 @@ pub fn summary(
 
 pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Written, table: &mut Table) {
     let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
-    let turns = |turns: &curvlay_toolpath::surface::Turns| {
+    let turns = |turns: &curvlay_toolpath::orientation::Turns| {
         format!("{:.2} degrees, at most {:.1}", turns.mean.to_degrees(), turns.largest.to_degrees())
     };
     let on = run.covered_mm3.map_or(String::new(), |covered_mm3| format!(" on {covered_mm3:.1} mm3"));

@@ -10,7 +10,7 @@ use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
-use curvlay_toolpath::surface::SHORT_CURVE_BEADS;
+use curvlay_toolpath::fill::SHORT_CURVE_BEADS;
 use std::io::{self, Write};
 
 pub fn products(args: &Args, run: &PathsRun, folder: &OutputFolder) -> Result<(), Failure> {

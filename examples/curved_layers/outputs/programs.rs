@@ -18,8 +18,9 @@ use curvlay_examples::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBa
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    ProgramLimits, RapidOptions, Step, StreamOptions, WriteError, write_csv, write_rapid, write_urscript,
+    ProgramLimits, RapidOptions, Step, WriteError, write_csv, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::PrintPlan;

@@ -11,7 +11,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_examples::viewer::Model;
-use curvlay_toolpath::surface::FilledLayer;
+use curvlay_toolpath::fill::FilledLayer;
 use std::ops::Range;
 
 /// Writes the motion itself, which is checked before all else is written.

@@ -13,9 +13,11 @@ use curvlay_kinematics::program::{RapidOptions, write_urscript};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
 use curvlay_layers::planar::{FlatLayers, cells_by_flat_layer};
-use curvlay_toolpath::surface::{
-    self, Contacts, FilledLayers, GougingOptions, LayerSurface, PathOptions, Pattern, PrintPlan, fill_layers,
-};
+use curvlay_toolpath::fill::{FilledLayers, fill_layers};
+use curvlay_toolpath::gouging::{Contacts, GougingOptions};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::path::{PathOptions, Pattern};
+use curvlay_toolpath::plan::{self, PrintPlan};
 use curvlay_trajectory::print::{self, Fault, FaultKind, PrintLimits, PrintOptions, plan_print};
 use curvlay_voxel::{Resolution, VoxelOptions, voxelise};
 use nalgebra::{Unit, UnitVector3, Vector3};
@@ -204,7 +206,7 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
     let filled = fill_layers(&surfaces, &options, &progress)?;
     let stack = filled.stack(&surfaces)?;
     let nozzle = nozzle_of(cell.equipment())?;
-    let mut options = surface::PrintOptions::for_robot();
+    let mut options = plan::PrintOptions::for_robot();
     options.deposition.filament_diameter = print.filament_mm;
     let plan = stack.plan_along(&directions, &nozzle, &options, &progress)?;
     let moved = if print.moves {

@@ -4,12 +4,12 @@
 //! ([`Contacts`]), and nothing of the plate. Everything else keeps the margins of the [`GrowingScene`].
 
 use curvlay_kinematics::workcell::{ClearanceLevel, Equipment, GrowingScene, NOZZLE, Workcell};
-use curvlay_toolpath::surface::{
-    self, ContactError, Contacts, Deposition, Nozzle, NozzleError, NozzlePart, Obstacle, PathSchedule, Pose, ToolPath,
-};
+use curvlay_toolpath::deposit::{Deposition, PathSchedule};
+use curvlay_toolpath::gouging::{self, ContactError, Contacts, Nozzle, NozzleError, NozzlePart, Obstacle};
+use curvlay_toolpath::orientation::{Pose, ToolPath};
 use curvlay_trajectory::check::{Contact, GrowingPrintScene};
 use curvlay_trajectory::indicator::CollisionIndicator;
-use curvlay_trajectory::print::{Clearance, Moment, PrintCell, PrintOptions, PrintPath, Waypoint};
+use curvlay_trajectory::print::{Clearance, Moment, PrintOptions, PrintPath, PrintWorkcell, Waypoint};
 use curvlay_trajectory::transfer::FreeSpace;
 use nalgebra::Isometry3;
 
@@ -102,7 +102,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
     /// # Errors
     /// Why it cannot be added, in words.
     pub fn begin_and_build(&mut self, layer: u32) -> Result<(), String> {
-        PrintCell::begin(self, layer)?;
+        PrintWorkcell::begin(self, layer)?;
         self.build(layer)
     }
 
@@ -120,7 +120,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
 
     /// Where a nozzle over the part frame is deepest in what is built at some moment, or in the plate, if that is deeper than it
     /// may be.
-    fn deepest(&self, moment: Moment, nozzle: &Waypoint) -> Result<Option<surface::Contact>, ContactError> {
+    fn deepest(&self, moment: Moment, nozzle: &Waypoint) -> Result<Option<gouging::Contact>, ContactError> {
         let pose = self.in_part(nozzle);
         let of_layers = match self.contacts {
             Some(contacts) => contacts.deepest(built(moment), &pose)?,
@@ -129,21 +129,21 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
         let equipment = self.scene.workcell().equipment();
         let of_plate = equipment.depth_in_plate(&nozzle.position, &nozzle.axis).map(|plate| {
             let part = if plate.body == NOZZLE { NozzlePart::Tip } else { NozzlePart::Block };
-            surface::Contact { obstacle: Obstacle::Plate, depth: plate.depth_mm, height: 0.0, part, point: pose.tip }
+            gouging::Contact { obstacle: Obstacle::Plate, depth: plate.depth_mm, height: 0.0, part, point: pose.tip }
         });
         Ok(of_layers.into_iter().chain(of_plate).max_by(|a, b| a.depth.total_cmp(&b.depth)))
     }
 }
 
 /// A moment as contacts have it.
-fn built(moment: Moment) -> surface::Moment {
+fn built(moment: Moment) -> gouging::Moment {
     match moment {
-        Moment::At { path, waypoint } => surface::Moment::At { path, waypoint },
-        Moment::After { path } => surface::Moment::After { path },
+        Moment::At { path, waypoint } => gouging::Moment::At { path, waypoint },
+        Moment::After { path } => gouging::Moment::After { path },
     }
 }
 
-impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for PrintingCell<'_, N, F, W> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintWorkcell<N> for PrintingCell<'_, N, F, W> {
     fn begin(&mut self, layer: u32) -> Result<(), String> {
         self.scene.begin(layer).map_err(|error| error.to_string())
     }
@@ -179,7 +179,7 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for Printin
 
 impl<const N: usize, const F: usize, W: Workcell<N, F>> GrowingPrintScene<N> for PrintingCell<'_, N, F, W> {
     fn begin(&mut self, layer: u32) -> Result<(), String> {
-        PrintCell::begin(self, layer)?;
+        PrintWorkcell::begin(self, layer)?;
         self.build(layer)
     }
 

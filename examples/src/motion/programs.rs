@@ -1,8 +1,10 @@
 //! The motions of a planned print as robot programs take them.
 
+use curvlay_kinematics::print_program::{
+    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
+};
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, PrintKnot, RapidOptions, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
-    UrScriptOptions, WriteError, print_pieces, print_stream, print_targets, write_rapid,
+    FILAMENT_FULL_SCALE_MM_S, RapidOptions, Step, UrScriptOptions, WriteError, write_rapid,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};

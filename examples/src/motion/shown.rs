@@ -2,7 +2,9 @@
 
 use crate::viewer::{Model, Nozzle, Robot, Stance, Step};
 use curvlay_kinematics::workcell::{Held, NozzleModel, Workcell};
-use curvlay_toolpath::surface::{BeadKind, Move, MoveKind, ToolPath};
+use curvlay_toolpath::deposit::{Move, MoveKind};
+use curvlay_toolpath::orientation::ToolPath;
+use curvlay_toolpath::path::BeadKind;
 use curvlay_trajectory::Trajectory;
 use curvlay_trajectory::print::{LegKind, PrintPlan};
 use nalgebra::{Isometry3, Point3, Vector3};

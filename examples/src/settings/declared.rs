@@ -3,7 +3,10 @@
 use super::rules::{MAX_COUNT, distance, filament, length, material_density, nozzle, percent, rate, turn};
 use crate::args::{above_zero, celsius, from_zero, share};
 use clap::{ArgAction, Args, Command, FromArgMatches, ValueEnum};
-use curvlay_toolpath::surface::{DepositionOptions, GougingOptions, InfillOptions, TravelOptions};
+use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::gouging::GougingOptions;
+use curvlay_toolpath::path::InfillOptions;
+use curvlay_toolpath::travel::TravelOptions;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -1,8 +1,11 @@
 //! Settings as the options of the libraries.
 
 use super::declared::{Count, Settings, Sparse, TagStyle, Words};
+use curvlay_toolpath::deposit::DepositionOptions;
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
-use curvlay_toolpath::surface::{DepositionOptions, GougingOptions, InfillOptions, InfillPattern, TravelOptions};
+use curvlay_toolpath::gouging::GougingOptions;
+use curvlay_toolpath::path::{InfillOptions, InfillPattern};
+use curvlay_toolpath::travel::TravelOptions;
 use nalgebra::{Point3, Vector3};
 use std::io;
 

@@ -1,7 +1,7 @@
 //! Which values a setting may have, for clap.
 
 use crate::args::{above_zero, from_zero};
-use curvlay_toolpath::surface::Nozzle;
+use curvlay_toolpath::gouging::Nozzle;
 
 /// A nozzle as four numbers, for clap: tip flat, half angle in degrees, height of the cone, block.
 ///

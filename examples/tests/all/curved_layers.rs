@@ -52,12 +52,13 @@ fn summary(folder: &str) -> Value {
     serde_json::from_slice(&fs::read(Path::new(folder).join("summary.json")).unwrap()).unwrap()
 }
 
-/// Whether the page on formats has every key of the summary and the columns of every table in a folder.
+/// Whether the pages on formats have every key of the summary and the columns of every table in a folder.
 fn documented(folder: &str) {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    let keys = common::formats(Some("summary.md")) + &common::formats(Some("profiles.md"));
     for key in summary(folder).as_object().unwrap().keys() {
-        assert!(page.contains(&format!("`{key}`")), "{key}");
+        assert!(keys.contains(&format!("`{key}`")), "{key}");
     }
+    let page = common::formats(None);
     let tables = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
     for table in tables.filter(|path| path.extension().is_some_and(|ending| ending == "csv")) {
         let text = fs::read_to_string(&table).unwrap();
@@ -1809,7 +1810,7 @@ fn a_saved_field_must_be_one() {
     }
 }
 
-/// Bug: the version in the summary was 0.0.0, and the README asks to cite it.
+/// Bug: the version in the summary was 0.0.0, and the guide asks to cite it.
 #[test]
 fn the_version_is_that_of_the_crates() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -279,8 +279,7 @@ fn the_spiral_has_equal_steps_and_unit_normals() {
 
 /// Whether the page on formats has every key of the summary and the columns of the trajectories.
 fn assert_documented(path: &Path) {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let (_, page) = page.split_once("\n## `jerk_motion`\n").unwrap();
+    let page = common::format_section("studies.md", "jerk_motion");
     let methods = ["ladder", "local", "global_freed", "global", "grid"];
     let learned = ["svm_random_shifted", "svm_random", "svm_gap_shifted", "svm_gap", "svm_shifted", "svm"];
     let kinds = methods.into_iter().chain(learned).chain(["geometric"]);

@@ -21,6 +21,7 @@ mod mesh_to_gcode;
 mod mesh_to_robot;
 mod motion;
 mod output;
+mod plain_data;
 mod planar_arm;
 mod ranges;
 mod reach;

@@ -1,4 +1,4 @@
-//! Settings: what their declaration says is what docs/formats.md says.
+//! Settings: what their declaration says is what docs/formats/profiles.md says.
 
 use curvlay_examples::settings::{Profile, Settings};
 use std::fmt::Write;
@@ -27,13 +27,13 @@ fn table() -> String {
 
 #[test]
 fn the_page_on_formats_has_every_setting() {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats/profiles.md")).unwrap();
     let table = table();
     for row in table.lines() {
-        assert!(page.contains(row), "docs/formats.md does not have this row:\n{row}\nAll rows:\n{table}");
+        assert!(page.contains(row), "docs/formats/profiles.md does not have this row:\n{row}\nAll rows:\n{table}");
     }
     for name in Settings::default().fields().keys() {
-        assert!(page.contains(&format!("| `{name}` |")), "docs/formats.md has no row for {name}");
+        assert!(page.contains(&format!("| `{name}` |")), "docs/formats/profiles.md has no row for {name}");
     }
 }
 

@@ -11,9 +11,11 @@
 //!
 //! Hardly off a singularity the pose says little about the free joint: joints that still meet the pose are kept.
 
+use super::branches::{Branch, Solutions};
 use super::follow::{NO_STOPS, SMALL};
+use super::numbers::{FARTHEST_ANGLE, HELD, NEAR_WRIST, WRIST, meets};
 use super::planar::Free;
-use super::{Arm, Branch, FARTHEST_ANGLE, HELD, NEAR_WRIST, Solutions, WRIST, meets};
+use super::solver::Arm;
 use crate::angle::nearest_image;
 use crate::pose::parts;
 use nalgebra::{Isometry3, Matrix3, Vector3};

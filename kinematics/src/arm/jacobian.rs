@@ -7,7 +7,7 @@
 //! Eq. 4.3). In every cell that moves the flange rigidly about a line that stands still in the base, so
 //! the derivatives of the inverse with respect to the tool angle are those of a screw motion without pitch.
 
-use super::Arm;
+use super::solver::Arm;
 use nalgebra::{Matrix6, Point3, UnitVector3, Vector3, Vector6};
 
 /// First and second derivatives of joints.

@@ -17,8 +17,9 @@ use super::branches::Solutions;
 use super::deviation::Deviation;
 use super::follow::{FAR, NO_STOPS};
 use super::jacobian::jacobian_of;
+use super::numbers::{HELD, meets};
 use super::planar::Free;
-use super::{Arm, HELD, meets};
+use super::solver::Arm;
 use crate::angle::nearest_image;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 

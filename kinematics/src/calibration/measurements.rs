@@ -1,6 +1,6 @@
 //! Measurements for a calibration, from JSON and CSV: postures with touches of one point, and postures with measured poses.
 //!
-//! `docs/formats.md` describes both formats. Angles are in degrees there, as on pendants.
+//! [`Measurements`] describes both formats. Angles are in degrees there, as on pendants.
 
 use super::data::MeasuredPose;
 use crate::arm::Arm;
@@ -28,6 +28,8 @@ impl Touch {
 }
 
 /// What was measured.
+///
+#[doc = include_str!("../../docs/measurements.md")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurements {
     /// Touches of one point by the tip.
@@ -313,7 +315,7 @@ mod json {
     }
 
     impl Measurements {
-        /// Reads a JSON file, as `docs/formats.md` describes it.
+        /// Reads a JSON file, as [`Measurements`] describes it.
         ///
         /// # Errors
         /// [`MeasurementError`] names line and column, or the field.

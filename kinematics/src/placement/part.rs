@@ -9,9 +9,9 @@
 //! further waypoint. So a place is dropped as soon as it is no better than the best so far, with the rest of its
 //! waypoints unseen, and the waypoints that were bad at other places come first.
 
-use crate::cell::Waypoint;
 use crate::pose::LARGEST;
 use crate::progress::Progress;
+use crate::setup::Waypoint;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
@@ -27,14 +27,14 @@ pub struct PartPlace {
 }
 
 impl PartPlace {
-    /// The same as a pose: it maps the part's own coordinates to the part frame of the cell.
+    /// The same as a pose: it maps the part's own coordinates to the part frame of the workcell.
     pub fn pose(&self) -> Isometry3<f64> {
         let [x, y] = self.offset;
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.turn);
         Isometry3::from_parts(Translation3::new(x, y, 0.0), turn)
     }
 
-    /// A waypoint of the part, as the cell has it with the part at this place.
+    /// A waypoint of the part, as the workcell has it with the part at this place.
     /// ```
     /// use curvlay_kinematics::nalgebra::{Point3, Vector3};
     /// use curvlay_kinematics::{PartPlace, Waypoint};
@@ -138,7 +138,7 @@ pub struct BestPlace {
 /// * `waypoints`: of the print, in the part's own coordinates; 100 to 200 that are
 ///   [representative](crate::representative_waypoints) do.
 /// * `min_clearance`: in millimetres; less is tight.
-/// * `assess`: what a waypoint is worth at a place, `None` if it has no posture. It gets the place and the waypoint as the cell
+/// * `assess`: what a waypoint is worth at a place, `None` if it has no posture. It gets the place and the waypoint as the workcell
 ///   has it there. [`BestPosture`](crate::BestPosture) is one that is ready.
 /// * `progress`: called before each place; breaks the search off.
 ///

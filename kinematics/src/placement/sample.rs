@@ -5,8 +5,8 @@
 //! near as this one.
 
 use super::part::{PlaceError, is_place};
-use crate::cell::Waypoint;
 use crate::pose::LARGEST;
+use crate::setup::Waypoint;
 use nalgebra::Vector3;
 
 /// Waypoints that stand for all of a print.

@@ -1,4 +1,4 @@
-//! Where what stands still in a cell should stand: a nozzle, a plate or a table, within the region that the cell allows.
+//! Where what stands still in a workcell should stand: a nozzle, a plate or a table, within the region that the workcell allows.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.3.1, counts frames in a box, which knows no
 //! collisions: the more the arm is in its own way the better. Here a place is worth what the waypoints of a part are worth there, as in
@@ -8,9 +8,9 @@
 //! better. It is no proof that there is no better place between those of the grid.
 
 use super::part::{Assessment, PlaceError, Score, is_place};
-use crate::cell::Waypoint;
 use crate::pose::LARGEST;
 use crate::progress::Progress;
+use crate::setup::Waypoint;
 use nalgebra::{Point3, Vector3};
 use std::ops::ControlFlow;
 
@@ -52,9 +52,9 @@ const MAX_PLACES: f64 = 1e5;
 /// Finds the best place in a region.
 ///
 /// # Arguments
-/// * `waypoints`: of a part, as the cell has them; not all of a print, some dozens that are spread over it.
+/// * `waypoints`: of a part, as the workcell has them; not all of a print, some dozens that are spread over it.
 /// * `min_clearance`: in millimetres; less is tight.
-/// * `at`: the cell with everything at a place, as what says what a waypoint is worth there; `None` where nothing can stand.
+/// * `at`: the workcell with everything at a place, as what says what a waypoint is worth there; `None` where nothing can stand.
 /// * `progress`: called before each place; its total grows with the search. It may break the search off.
 ///
 /// # Errors

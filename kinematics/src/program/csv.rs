@@ -1,10 +1,10 @@
 //! CSV: every step with every bit, for other programs. [`write_csv`] states the format.
 
 use super::check::{Checker, LARGEST};
-use super::tokens::Tokens;
+use super::text::tokens::Tokens;
 use super::{
     ConfData, ExternalAxes, Goal, HeadInput, HeadSignal, Move, ProgramLimits, ReadError, Speed, Step, Target,
-    WriteError, Zone, until_error,
+    WriteError, Zone, step::until_error,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::io::{BufRead, Write};

@@ -57,6 +57,7 @@ mod narrow;
 mod pairs;
 mod piece;
 mod query;
+mod rounding;
 mod search;
 mod sweep;
 

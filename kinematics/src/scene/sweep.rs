@@ -30,6 +30,7 @@ use super::Scene;
 use super::motion::{Motion, Turns};
 use super::pairs::Apart;
 use super::query::{Poses, Posture, PostureError};
+use super::rounding::SHARE;
 
 /// What a sweep has shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -293,7 +294,7 @@ impl Scene {
                 let here = poses.farthest(body, &placed.pieces, &self.axis(poses, self.on_table(body), k));
                 // What joints behind this one move away from its axis, they move at most so far.
                 let most = lever_arm.min(here + sums[k + 1]);
-                sums[k] = sums[k + 1] + most * turns[k] * (1.0 + ROUNDING);
+                sums[k] = sums[k + 1] + most * turns[k] * (1.0 + SHARE);
             }
             sums
         };
@@ -309,6 +310,3 @@ impl Scene {
         }
     }
 }
-
-/// Sums of products are less wrong than this.
-const ROUNDING: f64 = 1e-12;

@@ -5,7 +5,7 @@
 //! elimination with row exchange, the step is halved until it gains something, and the pose stays a pose: the turn is
 //! applied as a quaternion.
 
-use super::Stewart;
+use super::platform::Stewart;
 use crate::pose::{parts, rotation};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 

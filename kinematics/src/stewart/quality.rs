@@ -1,7 +1,7 @@
 //! How well the legs hold a platform: the Jacobian, a singularity measure ([`Stewart::singularity`]), whole paths, the
 //! workspace.
 
-use super::{Stewart, StewartFault};
+use super::platform::{Stewart, StewartFault};
 use crate::pose::{LARGEST, is_frame};
 use crate::progress::Progress;
 use nalgebra::{Isometry3, Matrix6, Point3, Translation3, UnitQuaternion, Vector3};

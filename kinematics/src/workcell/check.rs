@@ -6,10 +6,10 @@ use super::model::{
 };
 use crate::arm::robots::{ARMS, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
-use crate::cell::{CellError, nozzle_frame};
 use crate::limits::JointLimits;
 use crate::positioner::{Positioner, PositionerError, PositionerModel};
 use crate::scene::{FARTHEST, SceneError};
+use crate::setup::{SetupError, nozzle_frame};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// Why numbers make no workcell. `path` is the field, as in the file: `solids[2].shape.block.min_mm[0]`.
@@ -121,7 +121,7 @@ pub enum WorkcellError {
     },
     /// A frame.
     #[error(transparent)]
-    Cell(#[from] CellError),
+    Setup(#[from] SetupError),
     /// The bodies make no scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -201,7 +201,7 @@ pub(super) fn frame(path: &str, model: &FrameModel) -> Result<Isometry3<f64>, Wo
     Ok(Isometry3::from_parts(Translation3::from(position), rotation))
 }
 
-/// The limits of a robot, with what a cell says of them.
+/// The limits of a robot, with what a workcell says of them.
 fn limits<const N: usize>(
     path: &str,
     known: JointLimits<N>,
@@ -256,7 +256,7 @@ pub(super) fn named<T: Copy>(path: &str, name: &str, all: &[(&str, &T)]) -> Resu
     })
 }
 
-/// The arm, and the numbers that it was made from, with the limits of the cell.
+/// The arm, and the numbers that it was made from, with the limits of the workcell.
 pub(super) fn arm(part: &ArmPart) -> Result<(Arm, ArmModel), WorkcellError> {
     let free = |geometry, offsets, signs| ArmModel { geometry, offsets, signs, limits: JointLimits::NONE };
     let path = "arm.geometry";
@@ -311,7 +311,7 @@ pub(super) fn deviation(calibration: &CalibrationModel) -> Result<ArmDeviation, 
     Ok(ArmDeviation { offsets, axes })
 }
 
-/// A table in a cell.
+/// A table in a workcell.
 pub(super) struct Table {
     pub positioner: Positioner,
     pub print_tilt: [f64; 2],

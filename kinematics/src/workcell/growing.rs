@@ -129,19 +129,19 @@ pub enum GrowingError {
 /// use curvlay_kinematics::workcell::{AnyWorkcell, ClearanceLevel, GrowingOptions, GrowingScene, PartCells, Workcell};
 /// # #[cfg(feature = "serde")] {
 /// let file = include_str!("../../../examples/cells/ur3.json");
-/// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+/// let AnyWorkcell::Six(workcell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
 /// // A block of 20 x 20 x 4 mm in two layers, in the middle of a plate of 120 mm.
 /// let layers = [(0..100).collect::<Vec<u32>>(), (100..200).collect()];
 /// let part = PartCells {
 ///     dims: [10, 10, 2], rows: &[0x3ff; 20], cell_mm: 2.0, origin: Point3::new(-10.0, -10.0, 0.0),
 ///     frame_part: Isometry3::identity(), layers: &layers,
 /// };
-/// let mut scene = GrowingScene::new(&cell, &part, 120.0, &GrowingOptions::default())?;
+/// let mut scene = GrowingScene::new(&workcell, &part, 120.0, &GrowingOptions::default())?;
 /// // A posture with the nozzle upright on the first layer.
 /// let waypoint = Waypoint { position: Point3::new(0.0, 0.0, 2.0), axis: Vector3::z_axis() };
 /// let mut found = None;
 /// for sample in 0..24 {
-///     cell.solutions(&waypoint, &[0.25 * f64::from(sample)], &mut |_, joints| {
+///     workcell.solutions(&waypoint, &[0.25 * f64::from(sample)], &mut |_, joints| {
 ///         let fits = matches!(scene.touching_printing(&joints, ClearanceLevel::Least), Ok(None));
 ///         found = found.or(fits.then_some(joints));
 ///     });

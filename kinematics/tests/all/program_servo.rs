@@ -1,9 +1,8 @@
 //! What an arm does with a stream of `servoj`, by a simulation of the control law as its maker describes it, and signals that wait
 //! for it.
 
-use curvlay_kinematics::program::{
-    ServoRate, Step, StreamLeg, StreamOptions, UrScriptOptions, UrScriptReader, print_stream, write_urscript,
-};
+use curvlay_kinematics::print_program::{StreamLeg, StreamOptions, print_stream};
+use curvlay_kinematics::program::{ServoRate, Step, UrScriptOptions, UrScriptReader, write_urscript};
 use std::f64::consts::TAU;
 
 /// The arm under `servoj`: the gain works as the P-term of a PID controller towards the target, the look-ahead time as its

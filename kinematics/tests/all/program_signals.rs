@@ -1,6 +1,7 @@
 //! Signals of a tape head in robot programs: what is written, and what comes back.
 
 use crate::common::files::{Files, to_rapid};
+use curvlay_kinematics::print_program::*;
 use curvlay_kinematics::program::*;
 use proptest::prelude::*;
 use std::io;

@@ -5,11 +5,11 @@
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, EightAxisCell, FreeRange, LimitsModel, MountModel, PositionerGeometry, ShapeModel,
-    SixAxisCell, Workcell, WorkcellError, WorkcellModel, tool_frame,
+    AnyWorkcell, ArmGeometry, EightAxisWorkcell, FreeRange, LimitsModel, MountModel, PositionerGeometry, ShapeModel,
+    SixAxisWorkcell, Workcell, WorkcellError, WorkcellModel, tool_frame,
 };
 use curvlay_kinematics::{
-    Arm, ArmError, Cell, JointLimits, Positioner, PositionerModel, TableCell, Waypoint, nozzle_frame, robots,
+    Arm, ArmError, JointLimits, Positioner, PositionerModel, Setup, TableSetup, Waypoint, nozzle_frame, robots,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -21,14 +21,14 @@ fn model(text: &str) -> WorkcellModel {
     WorkcellModel::from_json(text.as_bytes()).unwrap()
 }
 
-fn six(model: WorkcellModel) -> SixAxisCell {
+fn six(model: WorkcellModel) -> SixAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Six(cell) => cell,
         AnyWorkcell::Eight(_) => panic!("eight axes"),
     }
 }
 
-fn eight(model: WorkcellModel) -> EightAxisCell {
+fn eight(model: WorkcellModel) -> EightAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
         AnyWorkcell::Six(_) => panic!("six axes"),
@@ -119,7 +119,7 @@ fn solutions<const N: usize, const F: usize>(
 fn the_ur3_of_the_file_is_the_one_made_by_hand() {
     let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 260.0), &-Vector3::z_axis());
     let part = Isometry3::translation(0.0, 0.0, 120.0);
-    let by_hand = Cell::part_in_hand(Arm::new(&robots::UR3).unwrap(), part, nozzle).unwrap();
+    let by_hand = Setup::part_in_hand(Arm::new(&robots::UR3).unwrap(), part, nozzle).unwrap();
     let cell = six(model(UR3));
     let mut count = 0;
     for waypoint in waypoints() {
@@ -159,7 +159,7 @@ fn the_ur3_of_the_file_is_the_one_made_by_hand() {
     ];
     bodies.extend(printing((Mount::Base, nozzle), (Mount::Link(6), part)));
     let scene = cell.equipment().scene(150.0);
-    assert_eq!(scene, SceneModel { links, bodies, link_allowance: 10.0, ..SceneModel::of(*cell.cell().arm()) });
+    assert_eq!(scene, SceneModel { links, bodies, link_allowance: 10.0, ..SceneModel::of(*cell.setup().arm()) });
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
     let positioner = Positioner::new(&table, &Isometry3::translation(520.0, 0.0, -900.0)).unwrap();
     let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 150.0), &Vector3::z_axis());
     let arm = Arm::new(&robots::IRB1200).unwrap();
-    let by_hand = TableCell::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity()).unwrap();
+    let by_hand = TableSetup::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity()).unwrap();
     let cell = eight(model(IRB1200));
     let mut count = 0;
     for waypoint in waypoints() {
@@ -217,7 +217,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
         body("holder", Mount::Link(6), nozzle, Shape::cylinder(25.0, 60.0, 150.0)),
     ];
     bodies.extend(printing((Mount::Link(6), nozzle), (Mount::Table, Isometry3::identity())));
-    let own = SceneModel { link_allowance: 10.0, ..SceneModel::of(*cell.cell().arm()) };
+    let own = SceneModel { link_allowance: 10.0, ..SceneModel::of(*cell.setup().arm()) };
     let expected = SceneModel { links, bodies, positioner: Some(positioner), ..own };
     assert_eq!(cell.equipment().scene(150.0), expected);
 }

@@ -16,13 +16,12 @@
 
 use super::SheetField;
 use super::surface::{JUMP, LayerField};
-use crate::Progress;
 use crate::cells::Cells;
 use crate::elastic::material::principal_stresses;
 use crate::elastic::nodes::{EIGHT, NONE, Points};
 use crate::parallel::{fill, map, sum, update};
+use crate::{Progress, ProgressFn};
 use nalgebra::{Matrix3, Vector3};
-use std::ops::ControlFlow;
 
 /// How much a wanted gradient weighs where the stress is low; where it is high it weighs one more. Less leaves the field adrift there, more
 /// keeps the stressed cells from turning it.
@@ -158,7 +157,7 @@ pub fn load_field(
     stresses_mpa: &[[f64; 6]],
     base: &LayerField,
     options: &FollowOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<LoadField, FollowError> {
     let FollowOptions { stressed_share, along } = *options;
     if !(along > 0.0 && along.is_finite()) {
@@ -378,11 +377,7 @@ impl<'a> Poisson<'a> {
     }
 
     /// By conjugate gradients with the inverse of the diagonal.
-    fn solve(
-        &self,
-        start: Vec<f64>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<(Vec<f64>, u32), FollowError> {
+    fn solve(&self, start: Vec<f64>, progress: ProgressFn) -> Result<(Vec<f64>, u32), FollowError> {
         let len = start.len();
         let product = |a: &[f64], b: &[f64]| sum(len, |node| a[node] * b[node]);
         let diagonal = |corner: usize, cell: usize| self.terms[cell].matrix.dot(&self.products[corner][corner]);

@@ -7,10 +7,10 @@
 //! A nozzle of any size reaches a point outside the convex hull of everything built so far, platform included.
 //! So an order of cells can be built when each cell (1) has a neighbour in an earlier layer or stands on the
 //! platform, and (2) does not lie inside the hull of the platform and all earlier layers. [`Rules`] says what
-//! "neighbour" and "inside" mean, [`Platform`] what the part stands on, [`LayerOrder`] holds an order.
+//! "neighbour" and "inside" mean, [`Platform`] what the part stands on, [`LayerOrder`](crate::cells::LayerOrder) holds an order.
 //!
 //! [`Workpiece::layers`] does all steps: growth by a [`Strategy`] or the best one, [`audit`](audit()), the [`surface`]s of uniform
-//! layers, and [trimming](trim) to the mesh.
+//! layers, and [trimming](crate::trim) to the mesh.
 //!
 //! # The lattice
 //! Cells are numbered `x + nx * (y + ny * z)`. Geometry is done on *doubled* coordinates: the centre of cell
@@ -49,15 +49,16 @@ pub use impossible::{Impossible, prove_impossible};
 pub use load::{FollowError, FollowOptions, LoadAngle, LoadField, layer_normal, load_angle, load_field};
 pub use nozzle::{DIRECTIONS, NozzleRule, NozzleRuleError, grow_with_nozzle};
 pub use part::best::{WORTH, WORTH_MISSED};
-pub use part::complete::{
-    CompleteOptions, CompleteOrder, CompletePart, LayersBy, NozzleUse, PartSupport, PrintedSheet, SupportCells,
-};
 pub use part::directions::{CellDirections, DirectionAt, DirectionsError};
+pub use part::error::LayersError;
 pub use part::guides::Guides;
 pub use part::heights::HeightsError;
-pub use part::workpiece::{
-    EVEN_THICKNESS, LayerBoundary, LayerSurfaces, LayeredPart, LayersError, OrderedPart, Workpiece,
-};
+pub use part::layer_surfaces::{EVEN_THICKNESS, LayerBoundary, LayerSurfaces};
+pub use part::layered::LayeredPart;
+pub use part::options::{LayerOptions, LayersBy, NozzleUse};
+pub use part::order::PartOrder;
+pub use part::support::{PartSupport, PrintedSheet, SupportCells};
+pub use part::workpiece::Workpiece;
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};
 pub use strategy::Strategy;
 pub use support::{CellMesh, NoSupport, SupportError, SupportOptions, Supported, add_support, cell_mesh};

@@ -7,13 +7,12 @@
 
 use super::growth::{Growth, GrowthError, GrowthOptions, Prevention, grow, grow_as_printed};
 use super::unbuild::{UnbuildOptions, unbuild};
-use crate::Progress;
+use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::growth::{PeelError, peel};
 use std::fmt;
-use std::ops::ControlFlow;
 
 /// How the next layer of cells is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,14 +56,13 @@ impl Strategy {
     /// [`GrowthError`]; cells that cannot be built are listed with the reason.
     ///
     /// # Cost
-    /// That of [`grow`], [`peel`](crate::curved::growth::peel()) or [`unbuild`].
+    /// That of [`grow`], [`peel`](crate::curved::peel()) or [`unbuild`].
     ///
     /// # Example
     /// ```
     /// use curvlay_layers::cells::Cells;
     /// use curvlay_layers::curved::{Platform, Rules, Strategy};
-    /// use std::ops::ControlFlow;
-    /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
+    ///     /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
     /// let platform = Platform::under(&cells, 10.0)?;
     /// let growth = Strategy::Greedy.grow(&cells, &platform, &Rules::default(), &|_| ControlFlow::Continue(()))?;
     /// assert_eq!(growth.order.len(), 3);
@@ -75,7 +73,7 @@ impl Strategy {
         cells: &Cells,
         platform: &Platform,
         rules: &Rules,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Growth, GrowthError> {
         let with = |prevention, governor: Option<&_>| {
             let options = GrowthOptions { prevention, ..GrowthOptions::default() };

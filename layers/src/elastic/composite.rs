@@ -12,11 +12,10 @@
 use super::material::stress_matrix;
 use super::orthotropic::{Orthotropic, axes, laminate, rotated};
 use super::{Elastic, ElasticError, ElasticOptions, ElasticPart, Laws, solve};
-use crate::Progress;
+use crate::ProgressFn;
 use crate::cells::Cells;
 use nalgebra::{Matrix6, Point3, UnitVector3, Vector3};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// Samples of a strip to the edge of a cell: tapes are wide beside cells, or long.
 const SAMPLES_A_CELL: f64 = 4.0;
@@ -215,7 +214,7 @@ pub fn solve_composite(
     tape: &Orthotropic,
     plies: &[Ply],
     options: &ElasticOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Elastic, ElasticError> {
     let tape = tape.law().ok_or(ElasticError::Orthotropic)?;
     let plain = part.material.law_of();

@@ -30,6 +30,7 @@ pub use given::{Load, Region, Support};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
 pub use orthotropic::{Orthotropic, laminate};
 
+use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::{Progress, parallel};
 use elements::Elements;
@@ -40,7 +41,6 @@ use nodes::{NONE, Points};
 use operator::{Operator, Triple};
 use solve::{Outcome, conjugate_gradients};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// A part, what holds it and what loads it.
 #[derive(Clone, Copy, Debug)]
@@ -159,7 +159,7 @@ impl Elastic {
 pub fn solve_elastic(
     part: &ElasticPart,
     options: &ElasticOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Elastic, ElasticError> {
     solve(part, &Laws { plain: part.material.law_of(), others: BTreeMap::new() }, options, progress)
 }
@@ -187,7 +187,7 @@ fn solve(
     part: &ElasticPart,
     laws: &Laws,
     options: &ElasticOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Elastic, ElasticError> {
     check(part, options)?;
     let Discrete { cells, nodes, corners } = Discrete::of(part.cells)?;

@@ -22,12 +22,11 @@ use super::slivers::remove_slivers;
 use super::solid::Solid;
 use super::surface::Surface;
 use super::trimmed::{BoundaryKind, TrimmedSheet, slices};
-use crate::Progress;
 use crate::boxes::Bounds;
-use crate::parallel::{Report, in_parallel_watched};
+use crate::parallel::in_parallel_watched;
+use crate::{Progress, ProgressFn};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// How far ahead an earlier surface counts, in layer heights. Surfaces were found up to 0.7 layer heights too deep; from 2 on other
 /// branches of the part come within reach.
@@ -69,7 +68,7 @@ impl Trimmer {
         &self,
         sheets: &mut [TrimmedSheet],
         height_mm: f64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Clipped, TrimError> {
         let found = count_crossings(&slices(sheets), progress)?;
         if found.crossing == 0 {
@@ -90,12 +89,12 @@ impl Trimmer {
         &self,
         sheets: &[TrimmedSheet],
         height_mm: f64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<BTreeMap<usize, TrimmedSheet>, TrimError> {
         let surfaces = slices(sheets);
         let all = AllTriangles::new(&surfaces)?;
         // For each sheet the triangles of earlier ones that it passes through.
-        let earlier = |sheet: usize, _: Report| {
+        let earlier = |sheet: usize, _: ProgressFn| {
             let mut met: Vec<[u32; 2]> = Vec::new();
             for triangle in 0..sheets[sheet].triangles.len() as u32 {
                 let corners = all.corners([sheet as u32, triangle]);

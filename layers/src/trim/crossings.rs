@@ -13,11 +13,10 @@ use super::error::{Input, MOST, TrimError, check};
 use super::exact::height;
 use super::predicates::{Moves, passing, side};
 use super::triangle::MIN_ALTITUDE_MM;
-use crate::Progress;
+use crate::ProgressFn;
 use crate::boxes::{Bounds, Tree};
-use crate::parallel::{Report, in_parallel_watched};
+use crate::parallel::in_parallel_watched;
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// How often surfaces pass through each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,13 +52,10 @@ pub struct SurfaceCrossings {
 /// assert_eq!((found.edges, found.crossing), (6, 2)); // two edges go up from its lowest corner
 /// # Ok::<(), curvlay_layers::trim::TrimError>(())
 /// ```
-pub fn count_crossings(
-    surfaces: &[SurfaceSlices],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<SurfaceCrossings, TrimError> {
+pub fn count_crossings(surfaces: &[SurfaceSlices], progress: ProgressFn) -> Result<SurfaceCrossings, TrimError> {
     surfaces.iter().try_for_each(|(points, triangles)| check(Input::Sheet, points, triangles))?;
     let all = AllTriangles::new(surfaces)?;
-    let of_surface = |surface: usize, _: Report| {
+    let of_surface = |surface: usize, _: ProgressFn| {
         let (points, triangles) = surfaces[surface];
         let edges = Edges::new(triangles);
         let crosses = |ends: &&[u32; 2]| all.is_crossed(surface as u32, ends.map(|end| &points[end as usize]));

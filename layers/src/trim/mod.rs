@@ -40,6 +40,8 @@ mod trimmed;
 mod winding;
 
 use super::Progress;
+use crate::ProgressFn;
+use crate::parallel::in_parallel;
 pub use clip::Clipped;
 pub use crossings::{SurfaceCrossings, count_crossings};
 pub use error::{Input, MAX_COORDINATE, TrimError};
@@ -49,7 +51,6 @@ use pieces::Pieces;
 use sheet::Sheet;
 pub use slices::SurfaceSlices;
 use solid::{InsideRule, Solid};
-use std::ops::ControlFlow;
 use surface::Surface;
 pub use triangle::MIN_ALTITUDE_MM;
 pub(crate) use trimmed::slices;
@@ -57,6 +58,9 @@ pub use trimmed::{BoundaryEdge, BoundaryKind, TrimmedSheet};
 
 /// Triangles from one report to the next: a few milliseconds, and for a mesh with holes some tenths of a second.
 const TRIANGLES_PER_REPORT: usize = 512;
+
+/// Points whose winding numbers a thread counts at a time: some hundred microseconds.
+const POINTS_AT_A_TIME: usize = 64;
 
 /// Vertices of a mesh in millimetres, and its triangles.
 pub type MeshParts<'a> = (&'a [Point3<f64>], &'a [[u32; 3]]);
@@ -182,6 +186,21 @@ impl Trimmer {
         self.solid.holes.is_some()
     }
 
+    /// The volume of the mesh, if it closes and goes round each of some points once, all the same way, or not at all; else `None`.
+    pub(crate) fn volume_if_simple(
+        &self,
+        points: usize,
+        point: impl Fn(usize) -> Point3<f64> + Send + Sync,
+    ) -> Option<f64> {
+        if self.is_holed() {
+            return None;
+        }
+        let volume = self.solid.signed_volume();
+        let way = if volume < 0.0 { -1 } else { 1 };
+        let numbers = in_parallel(points, POINTS_AT_A_TIME, |k| self.solid.winding(&point(k)));
+        numbers.iter().all(|&number| number == 0 || number == way).then_some(volume.abs())
+    }
+
     /// Whether a point is inside the mesh, by its winding number.
     pub(crate) fn contains(&self, p: &Point3<f64>) -> bool {
         self.solid.contains(p)
@@ -217,7 +236,7 @@ impl Trimmer {
         &self,
         vertices: &[Point3<f64>],
         triangles: &[[u32; 3]],
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<TrimmedSheet, TrimError> {
         let watch = |done: usize, total: usize| match done % TRIANGLES_PER_REPORT {
             0 if progress(Progress { stage: "trim", done: done as u64, total: total as u64 }).is_break() => {

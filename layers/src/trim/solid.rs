@@ -111,6 +111,17 @@ impl Solid {
         sum
     }
 
+    /// The volume that the closed mesh goes round, as often as it does: negative for one that looks inwards.
+    pub(super) fn signed_volume(&self) -> f64 {
+        // From a corner of the mesh: products stay as small as the part is.
+        let from = self.points[0];
+        let of_triangle = |triangle: u32| {
+            let [a, b, c] = self.corners(triangle).map(|corner| corner - from);
+            a.dot(&b.cross(&c)) / 6.0
+        };
+        (0..self.triangles.len() as u32).map(of_triangle).sum()
+    }
+
     /// Whether a point is inside, by the rule.
     pub(super) fn contains(&self, p: &Point3<f64>) -> bool {
         match &self.holes {

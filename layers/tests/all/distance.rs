@@ -5,7 +5,7 @@ use curvlay_layers::Progress;
 use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
 use curvlay_layers::curved::{
-    CompleteOptions, DirectedOptions, DistanceOrder, GrowthError, Guides, JudgedByNozzle, LayersBy, LayersError,
+    DirectedOptions, DistanceOrder, GrowthError, Guides, JudgedByNozzle, LayerOptions, LayersBy, LayersError,
     NozzleRule, NozzleRuleError, Platform, Rules, STEPS_PER_LAYER, Workpiece, audit_with_nozzle, cell_mesh,
     distance_field, distance_layers, grow_by_distance, grow_directed,
 };
@@ -264,9 +264,9 @@ fn the_order_begins_where_the_first_layer_touches_the_plate() {
         guides: Guides::default(),
     };
     for layers_by in [LayersBy::Distance, LayersBy::Directed] {
-        let options = CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
+        let options = LayerOptions { layers_by, rule: small(), ..LayerOptions::default() };
         let first = |height_mm: f64| {
-            let order = workpiece.complete_order(None, height_mm, &options, &go).unwrap();
+            let order = workpiece.order(&LayerOptions { height_mm: Some(height_mm), ..options }, &go).unwrap();
             assert!(order.audit.is_ok() && order.growth.missed.is_empty());
             let mut columns: Vec<u32> =
                 order.growth.order.layer(0).iter().map(|&cell| cells.position(cell)[0]).collect();
@@ -319,33 +319,30 @@ fn a_part_is_complete_by_distance() {
             volume_mm3: cells.count() as f64,
             guides: Guides::default(),
         };
-        let options = |layers_by| CompleteOptions { layers_by, rule: small(), ..CompleteOptions::default() };
-        let complete = |by| workpiece.complete_layers(None, 1.0, &options(by), &go).unwrap();
+        let options = |layers_by| LayerOptions { layers_by, rule: small(), ..LayerOptions::default() };
+        let complete = |by| workpiece.layers(&LayerOptions { height_mm: Some(1.0), ..options(by) }, &go).unwrap();
         let [by_hull, by_distance, best] = [LayersBy::Hull, LayersBy::Distance, LayersBy::Best].map(complete);
         let directed = complete(LayersBy::Directed);
         // Bug: of support some of whose cells are missed the field was another than that of the order, and had a layer for each step. It has one for each two
         // steps, and one for each of the few that the nozzle adds afterwards.
         for made in [&by_distance, &directed] {
-            let (field, order) = (&made.layered.uniform.field, &made.layered.growth.order);
+            let (field, order) = (&made.uniform.field, &made.growth.order);
             let highest = order.cells().iter().filter_map(|&cell| field.value(cell)).fold(0.0, f64::max);
             assert!(highest < 0.75 * order.len() as f64, "{highest}: {} steps", order.len());
         }
-        assert_eq!(
-            (directed.layers_by, directed.layered.uniform.method),
-            (LayersBy::Directed, UniformMethod::Directed)
-        );
-        assert!(directed.layered.audit.is_ok() && directed.layered.uniform.audit.is_ok());
-        let share = directed.layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
+        assert_eq!((directed.layers_by, directed.uniform.method), (LayersBy::Directed, UniformMethod::Directed));
+        assert!(directed.audit.is_ok() && directed.uniform.audit.is_ok());
+        let share = directed.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
         assert!((share - 1.0).abs() < 0.08, "{share}");
-        let missed = [&by_hull, &by_distance, &directed, &best].map(|made| made.layered.growth.missed.len());
+        let missed = [&by_hull, &by_distance, &directed, &best].map(|made| made.growth.missed.len());
         assert!(missed[3] <= missed[0].min(missed[1]).min(missed[2]), "{missed:?}");
         if missed[2] == 0 {
             assert_eq!(best.layers_by, LayersBy::Directed); // it is tried first
         }
         assert_eq!([by_hull.layers_by, by_distance.layers_by], [LayersBy::Hull, LayersBy::Distance]);
-        assert_eq!(by_distance.layered.uniform.method, UniformMethod::Distance);
-        assert!(by_distance.layered.audit.is_ok() && by_distance.layered.uniform.audit.is_ok());
-        let share = by_distance.layered.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
+        assert_eq!(by_distance.uniform.method, UniformMethod::Distance);
+        assert!(by_distance.audit.is_ok() && by_distance.uniform.audit.is_ok());
+        let share = by_distance.surfaces.spacing.volume_mm3 / workpiece.volume_mm3;
         assert!((share - 1.0).abs() < 0.08, "{share}");
     }
 }

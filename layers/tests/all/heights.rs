@@ -3,8 +3,8 @@
 use crate::common::go;
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    CellMesh, CompleteOptions, GrowthError, Guides, HeightsError, LayersBy, NozzleRule, Platform, Rules,
-    SupportOptions, Workpiece, cell_mesh, grow_by_heights,
+    CellMesh, GrowthError, Guides, HeightsError, LayerOptions, LayersBy, NozzleRule, Platform, Rules, SupportOptions,
+    Workpiece, cell_mesh, grow_by_heights,
 };
 use curvlay_layers::nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
@@ -109,20 +109,21 @@ fn layers_are_parallel_to_a_plane() {
     let (vertices, triangles) = sheet(30.0, |x, _| 5.0 - normal.x / normal.z * (x - 6.0));
     let heights = block.workpiece(None).heights_over(&vertices, &triangles).unwrap();
     let part = block.workpiece(Some(&heights));
-    let options = CompleteOptions {
+    let options = LayerOptions {
         layers_by: LayersBy::Distance,
         rule: NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() },
-        ..CompleteOptions::default()
+        height_mm: Some(0.5),
+        ..LayerOptions::default()
     };
-    let made = part.complete_layers(None, 0.5, &options, &go).unwrap();
-    assert!(made.layered.growth.missed.is_empty() && made.layered.audit.is_ok() && made.layered.uniform.audit.is_ok());
-    let field = &made.layered.uniform.field;
+    let made = part.layers(&options, &go).unwrap();
+    assert!(made.growth.missed.is_empty() && made.audit.is_ok() && made.uniform.audit.is_ok());
+    let field = &made.uniform.field;
     let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
     for cell in 0..960u32 {
         let expected = heights[cell as usize] - lowest + 0.5;
         assert!((field.value(cell).unwrap() - expected).abs() < 1e-9, "{cell}: {:?} {expected}", field.value(cell));
     }
-    let surfaces = &made.layered.surfaces;
+    let surfaces = &made.surfaces;
     let mut last = f64::NEG_INFINITY;
     for sheet in surfaces.sheets.iter().filter(|sheet| !sheet.vertices.is_empty()) {
         let height = |vertex: &Point3<f64>| vertex.coords.dot(&normal);
@@ -141,7 +142,7 @@ fn layers_are_parallel_to_a_plane() {
     let given = [0, 1, 2];
     let guides = Guides { support: &given, ..part.guides };
     let support = Some(SupportOptions::default());
-    let made = Workpiece { guides, ..part }.complete_layers(None, 0.5, &CompleteOptions { support, ..options }, &go);
+    let made = Workpiece { guides, ..part }.layers(&LayerOptions { support, ..options }, &go);
     assert_eq!(made.unwrap().support.unwrap().contact, given);
 }
 

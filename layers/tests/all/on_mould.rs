@@ -3,7 +3,7 @@
 use crate::common::go;
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    CompleteOptions, DirectedOptions, GrowthError, Guides, LayersBy, LayersError, Platform, Rules, Workpiece,
+    DirectedOptions, GrowthError, Guides, LayerOptions, LayersBy, LayersError, Platform, Rules, Workpiece,
     distance_field,
 };
 use curvlay_layers::nalgebra::Point3;
@@ -128,12 +128,13 @@ fn layers_are_parallel_to_the_mould() {
     let part = workpiece(&mesh, &platform, &rows, 0.0);
     for layers_by in [LayersBy::Distance, LayersBy::Directed] {
         let directed = DirectedOptions { max_tilt: Some(FRAC_PI_3) };
-        let options = CompleteOptions { layers_by, directed, support: None, ..CompleteOptions::default() };
-        let order = part.complete_order(None, 0.5, &options, &go).unwrap();
+        let options =
+            LayerOptions { height_mm: Some(0.5), layers_by, directed, support: None, ..LayerOptions::default() };
+        let order = part.order(&options, &go).unwrap();
         let missed: Vec<_> = order.growth.missed_cells().iter().map(|&cell| part.cells.position(cell)).collect();
         assert!(order.audit.is_ok() && missed.is_empty(), "{layers_by:?}: {}, {missed:?}", order.audit);
-        let made = part.layers_of_complete(order, 0.5, &options, &go).unwrap();
-        let surfaces = &made.layered.surfaces;
+        let made = part.layers_of(order, &options, &go).unwrap();
+        let surfaces = &made.surfaces;
         let whole: Vec<_> = surfaces.sheets.iter().zip(&surfaces.is_half).filter(|(_, half)| !**half).collect();
         assert_eq!(whole.len(), 10, "{layers_by:?}");
         let mut off: f64 = 0.0;
@@ -156,7 +157,7 @@ fn a_part_that_passes_the_mould_does_not_touch_it() {
     let (platform, gap) = (platform(), 0.7);
     let (mesh, rows) = (shell(gap), outside(&platform, gap));
     let part = workpiece(&mesh, &platform, &rows, gap);
-    let options = CompleteOptions { layers_by: LayersBy::Distance, ..CompleteOptions::default() };
-    let error = part.complete_order(None, 0.5, &options, &go).err();
+    let options = LayerOptions { height_mm: Some(0.5), layers_by: LayersBy::Distance, ..LayerOptions::default() };
+    let error = part.order(&options, &go).err();
     assert_eq!(error, Some(LayersError::Growth(GrowthError::NothingOnPlatform)));
 }

@@ -3,7 +3,7 @@
 use crate::common::{BOX, go};
 use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{extend, plain_field};
-use curvlay_layers::curved::{Guides, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
+use curvlay_layers::curved::{Guides, LayerOptions, LayerSurfaces, Platform, Rules, Strategy, Workpiece};
 use nalgebra::Point3;
 use proptest::prelude::*;
 
@@ -64,7 +64,9 @@ impl Boxes {
             volume_mm3: self.volume(),
             guides: Guides::default(),
         };
-        part.layers(Some(Strategy::Incremental), height_mm, &go).unwrap().surfaces
+        let strategy = Some(Strategy::Incremental);
+        let options = LayerOptions { strategy, height_mm: Some(height_mm), ..LayerOptions::hull_rule() };
+        part.layers(&options, &go).unwrap().surfaces
     }
 }
 

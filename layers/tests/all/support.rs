@@ -3,9 +3,9 @@
 use crate::common::{Part, are_neighbours, go, parts};
 use curvlay_layers::Progress;
 use curvlay_layers::cells::Cells;
-use curvlay_layers::curved::surface::UniformMethod;
+use curvlay_layers::curved::surface::{UniformMethod, uniform_field};
 use curvlay_layers::curved::{
-    CellMesh, CompleteOptions, Growth, GrowthError, GrowthOptions, Guides, LayersBy, LayersError, MissedCell,
+    CellMesh, Growth, GrowthError, GrowthOptions, Guides, LayerOptions, LayersBy, LayersError, MissedCell,
     MissedReason, NoSupport, NozzleRule, NozzleRuleError, NozzleUse, PartSupport, Platform, Rules, Strategy,
     SupportError, SupportOptions, Supported, Workpiece, add_support, audit, cell_mesh, grow,
 };
@@ -205,6 +205,11 @@ fn the_skin_of_cells_is_closed() {
 }
 
 /// A part whose cells, a millimetre wide, are its mesh.
+/// Incremental orders, layers of 1 mm, all else by default.
+fn incremental() -> LayerOptions {
+    LayerOptions { strategy: Some(Strategy::Incremental), height_mm: Some(1.0), ..LayerOptions::default() }
+}
+
 fn workpiece<'a>(part: &'a Part, mesh: &'a CellMesh) -> Workpiece<'a> {
     let cells = part.cells();
     let volume_mm3 = cells.iter().count() as f64;
@@ -224,9 +229,9 @@ fn a_part_is_complete_in_one_call() {
     let part = hanging_ball();
     let mesh = mesh_of(&part);
     let workpiece = workpiece(&part, &mesh);
-    let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
-    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &go).unwrap();
-    let (layered, support) = (&complete.layered, complete.support.as_ref().unwrap());
+    let support_only = LayerOptions { nozzle: NozzleUse::Off, ..incremental() };
+    let complete = workpiece.layers(&support_only, &go).unwrap();
+    let (layered, support) = (&complete, complete.support.as_ref().unwrap());
     assert!(complete.missed_by_hull.len() > 400);
     assert!(layered.growth.missed.is_empty() && layered.growth.nozzle.is_empty());
     assert!(layered.audit.is_ok() && layered.uniform.audit.is_ok());
@@ -251,11 +256,11 @@ fn a_part_is_complete_in_one_call() {
 
     // With a gap: those of its cells have no surfaces.
     let gap = SupportOptions { gap: 2, ..SupportOptions::default() };
-    let options = CompleteOptions { support: Some(gap), ..support_only };
-    let with_gap = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
+    let options = LayerOptions { support: Some(gap), ..support_only };
+    let with_gap = workpiece.layers(&options, &go).unwrap();
     let short = with_gap.support.unwrap();
     assert_eq!((short.cells.len(), short.gap.len()), (support.cells.len() - 10, 10));
-    assert!(with_gap.layered.audit.is_ok());
+    assert!(with_gap.audit.is_ok());
     let top = |support: &PartSupport| {
         let points = support.surfaces.sheets.iter().flat_map(|sheet| &sheet.vertices);
         points.fold(0.0, |top: f64, point| top.max(point.z))
@@ -264,28 +269,31 @@ fn a_part_is_complete_in_one_call() {
 
     // With the nozzle alone: no support, and cells that are printed from the side.
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
-    let nozzle_only = CompleteOptions { rule, support: None, ..CompleteOptions::default() };
-    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &nozzle_only, &go).unwrap();
-    assert!(complete.support.is_none() && complete.layered.growth.nozzle.len() > 400);
-    assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());
+    let nozzle_only = LayerOptions { rule, support: None, ..incremental() };
+    let complete = workpiece.layers(&nozzle_only, &go).unwrap();
+    assert!(complete.support.is_none() && complete.growth.nozzle.len() > 400);
+    assert!(complete.audit.is_ok() && complete.uniform.audit.is_ok());
 
-    // With neither it is what `layers` makes.
-    let neither = CompleteOptions { nozzle: NozzleUse::Off, support: None, ..CompleteOptions::default() };
-    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &neither, &go).unwrap();
-    let layered = workpiece.layers(Some(Strategy::Incremental), 1.0, &go).unwrap();
-    assert_eq!(complete.layered.growth, layered.growth);
-    assert_eq!(complete.layered.surfaces, layered.surfaces);
+    // With neither it is the order by hulls, and the surfaces of its field.
+    let neither = LayerOptions { nozzle: NozzleUse::Off, support: None, ..incremental() };
+    let complete = workpiece.layers(&neither, &go).unwrap();
+    let Workpiece { cells, platform, rules, .. } = &workpiece;
+    let growth = Strategy::Incremental.grow(cells, platform, rules, &go).unwrap();
+    assert_eq!(complete.growth, growth);
+    let missed = growth.missed_cells();
+    let uniform = uniform_field(cells, platform, rules, &growth.order, &missed, &go).unwrap();
+    assert_eq!(complete.surfaces, workpiece.surfaces(&uniform.field, &missed, 1.0, &go).unwrap());
 
     let rule = NozzleRule { max_tilt: 0.0, ..NozzleRule::default() };
-    let error = workpiece.complete_layers(None, 1.0, &CompleteOptions { rule, ..CompleteOptions::default() }, &go);
+    let error = workpiece.layers(&LayerOptions { rule, strategy: None, ..incremental() }, &go);
     let tilt = GrowthError::Nozzle(NozzleRuleError::Tilt { max_tilt: 0.0 });
     assert_eq!(error.unwrap_err(), LayersError::Growth(tilt));
     let support = Some(SupportOptions { width: 0, ..SupportOptions::default() });
-    let options = CompleteOptions { nozzle: NozzleUse::Off, support, ..CompleteOptions::default() };
-    let error = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap_err();
+    let options = LayerOptions { nozzle: NozzleUse::Off, support, ..incremental() };
+    let error = workpiece.layers(&options, &go).unwrap_err();
     assert_eq!(error, LayersError::Support(SupportError::Width { width: 0 }));
     let stop = |p: Progress| if p.stage == "support" { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let error = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &support_only, &stop).unwrap_err();
+    let error = workpiece.layers(&support_only, &stop).unwrap_err();
     assert_eq!(error, LayersError::Cancelled);
 }
 
@@ -308,12 +316,12 @@ fn missed_cells_without_support_come_with_the_reason() {
     ] {
         let mesh = mesh_of(part);
         let workpiece = workpiece(part, &mesh);
-        let options = CompleteOptions { nozzle: NozzleUse::Off, support, ..CompleteOptions::default() };
-        let order = workpiece.complete_order(Some(strategy), 1.0, &options, &go).unwrap();
+        let options = LayerOptions { nozzle: NozzleUse::Off, support, ..incremental() };
+        let order = workpiece.order(&LayerOptions { strategy: Some(strategy), ..options }, &go).unwrap();
         assert_eq!(order.no_support, why);
-        assert_eq!(why.is_some(), !order.taken().missed.is_empty());
+        assert_eq!(why.is_some(), !order.final_growth().missed.is_empty());
         assert!(why.is_none_or(|why| order.supported.is_none() && why.to_string().contains("turn the part")));
-        let made = workpiece.layers_of_complete(order, 1.0, &options, &go).unwrap();
+        let made = workpiece.layers_of(order, &options, &go).unwrap();
         assert_eq!((made.no_support, made.support.is_none()), (why, support.is_none() || why.is_some()));
     }
 }
@@ -334,36 +342,36 @@ fn support_that_does_not_help_says_so() {
 fn coherent_layers_are_those_of_part_and_support() {
     let (ball, mut taken) = (hanging_ball(), Vec::new());
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
-    let support_only = CompleteOptions { nozzle: NozzleUse::Off, ..CompleteOptions::default() };
-    let neither = CompleteOptions { support: None, ..support_only };
-    let by_nozzle = CompleteOptions { rule, support: None, ..CompleteOptions::default() };
+    let support_only = LayerOptions { nozzle: NozzleUse::Off, ..incremental() };
+    let neither = LayerOptions { support: None, ..support_only };
+    let by_nozzle = LayerOptions { rule, support: None, ..incremental() };
     let mesh = mesh_of(&ball);
     let workpiece = workpiece(&ball, &mesh);
     for options in [support_only, neither, by_nozzle] {
-        let order = workpiece.complete_order(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
-        let even = workpiece.layers_of_complete(order.clone(), 1.0, &options, &go).unwrap();
-        let made = workpiece.coherent_layers_of_complete(order, 1.0, &options, &go).unwrap();
-        assert_eq!(made.layered.growth, even.layered.growth);
-        let [waits, waits_of_even] = [&made, &even].map(|made| made.layered.surfaces.boundary.at_waits_mm);
-        if made.layered.uniform.method == UniformMethod::Coherent {
+        let order = workpiece.order(&options, &go).unwrap();
+        let even = workpiece.layers_of(order.clone(), &options, &go).unwrap();
+        let made = workpiece.layers_of(order, &LayerOptions { coherent: true, ..options }, &go).unwrap();
+        assert_eq!(made.growth, even.growth);
+        let [waits, waits_of_even] = [&made, &even].map(|made| made.surfaces.boundary.at_waits_mm);
+        if made.uniform.method == UniformMethod::Coherent {
             taken.push(options);
-            assert!(made.layered.growth.nozzle.is_empty() && waits < waits_of_even, "{waits} {waits_of_even}");
-            assert!(made.layered.uniform.audit.is_ok());
-            assert_eq!(made.layered.uniform.audit.cells, even.layered.audit.cells);
+            assert!(made.growth.nozzle.is_empty() && waits < waits_of_even, "{waits} {waits_of_even}");
+            assert!(made.uniform.audit.is_ok());
+            assert_eq!(made.uniform.audit.cells, even.audit.cells);
         } else {
-            assert_eq!(made.layered.surfaces, even.layered.surfaces);
+            assert_eq!(made.surfaces, even.surfaces);
         }
         let [support, support_of_even] = [&made, &even].map(|made| made.support.as_ref());
         assert_eq!(support.is_some(), support_of_even.is_some());
         if let (Some(support), Some(of_even)) = (support, support_of_even) {
             assert_eq!((&support.cells, support.straight_cells), (&of_even.cells, of_even.straight_cells));
-            assert_eq!(support.surfaces.sheets.len(), made.layered.surfaces.sheets.len());
+            assert_eq!(support.surfaces.sheets.len(), made.surfaces.sheets.len());
             let share = support.surfaces.spacing.volume_mm3 / support.cells.len() as f64;
             assert!((share - 1.0).abs() < 0.1, "{share}");
         }
         if options == neither {
-            let alone = workpiece.coherent_layers(Some(Strategy::Incremental), 1.0, &go).unwrap();
-            assert_eq!((&made.layered.surfaces, made.layered.uniform.method), (&alone.surfaces, alone.uniform.method));
+            let alone = workpiece.layers(&LayerOptions { coherent: true, ..neither }, &go).unwrap();
+            assert_eq!((&made.surfaces, made.uniform.method), (&alone.surfaces, alone.uniform.method));
         }
     }
     assert!(taken.contains(&support_only), "{taken:?}");
@@ -376,10 +384,10 @@ fn from_the_start_on_both_rules_count() {
     let mesh = mesh_of(&part);
     let workpiece = workpiece(&part, &mesh);
     let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
-    let options = CompleteOptions { nozzle: NozzleUse::FromStart, rule, support: None, ..CompleteOptions::default() };
-    let complete = workpiece.complete_layers(Some(Strategy::Incremental), 1.0, &options, &go).unwrap();
-    let growth = &complete.layered.growth;
-    assert!(complete.layered.audit.is_ok() && complete.layered.uniform.audit.is_ok());
+    let options = LayerOptions { nozzle: NozzleUse::FromStart, rule, support: None, ..incremental() };
+    let complete = workpiece.layers(&options, &go).unwrap();
+    let growth = &complete.growth;
+    assert!(complete.audit.is_ok() && complete.uniform.audit.is_ok());
     assert!(10 * growth.missed.len() < complete.missed_by_hull.len(), "{}", growth.missed.len());
     assert!(growth.nozzle.len() < part.cells().iter().count()); // the hull rule suffices for many
 }
@@ -499,21 +507,21 @@ fn support_fills_what_is_below_the_part_in_its_own_cells() {
     assert_eq!(under, expected);
     let part = Workpiece { guides: Guides { support: &under, ..Guides::default() }, ..plain };
     for layers_by in [LayersBy::Distance, LayersBy::Directed] {
-        let options = CompleteOptions { layers_by, ..CompleteOptions::default() };
-        let made = part.complete_layers(None, 0.5, &options, &go).unwrap();
+        let options = LayerOptions { layers_by, height_mm: Some(0.5), ..LayerOptions::default() };
+        let made = part.layers(&options, &go).unwrap();
         let support = made.support.unwrap();
         assert_eq!((&support.cells[..], &support.contact), (&[][..], &under));
         // Level layers at 0.25 and 0.75 mm: together they fill the block, above it is the part alone.
-        let sheets = made.layered.surfaces.sheets.iter().zip(&support.surfaces.sheets);
+        let sheets = made.surfaces.sheets.iter().zip(&support.surfaces.sheets);
         for ((of_part, of_support), height) in sheets.zip([0.25, 0.75, 1.25, 1.75]) {
             let below = if height < 0.8 { (12.0 - 4.0 - 10.0 * height) * 6.0 } else { 0.0 };
             assert!((of_support.area() - below).abs() < 1e-6, "{height}: {}", of_support.area());
             assert!((of_part.area() + of_support.area() - 72.0).abs() < 1e-6, "{height}");
         }
         // Without support they count for nothing.
-        let none = CompleteOptions { support: None, ..options };
-        let [bare, before] = [&part, &plain].map(|part| part.complete_layers(None, 0.5, &none, &go).unwrap());
-        assert_eq!(bare.layered.surfaces, before.layered.surfaces);
+        let none = LayerOptions { support: None, ..options };
+        let [bare, before] = [&part, &plain].map(|part| part.layers(&none, &go).unwrap());
+        assert_eq!(bare.surfaces, before.surfaces);
         assert!(bare.support.is_none() && before.support.is_none());
     }
 }

@@ -7,8 +7,8 @@ use curvlay_layers::curved::surface::{
     uniform_field,
 };
 use curvlay_layers::curved::{
-    Growth, GrowthError, GrowthOptions, Guides, LayerSurfaces, LayersError, Platform, Prevention, Rules, Strategy,
-    UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
+    Growth, GrowthError, GrowthOptions, Guides, LayerOptions, LayerSurfaces, LayersError, Platform, Prevention, Rules,
+    Strategy, UnbuildOptions, WORTH, WORTH_MISSED, Workpiece, grow, grow_as_printed, peel, unbuild,
 };
 use curvlay_layers::trim::Trimmer;
 use nalgebra::Point3;
@@ -16,6 +16,11 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 const CELL: f64 = 0.5;
+
+/// Layers by the hull rule alone.
+fn by_hulls(strategy: Option<Strategy>, height_mm: f64) -> LayerOptions {
+    LayerOptions { strategy, height_mm: Some(height_mm), ..LayerOptions::hull_rule() }
+}
 
 /// Cells, and the skin between them and what is empty as a mesh.
 struct Solid {
@@ -204,7 +209,7 @@ fn the_best_of_two_loses_less() {
     for seed in SEEDS {
         let solid = random(seed);
         let part = solid.workpiece();
-        let layered = part.layers(None, 0.6, &go).unwrap();
+        let layered = part.layers(&by_hulls(None, 0.6), &go).unwrap();
         let incremental = by_steps(&solid, Strategy::Incremental, 0.6);
         let unbuilt = by_steps(&solid, Strategy::Unbuild, 0.6);
         let volume = part.volume_mm3;
@@ -229,7 +234,7 @@ fn the_best_of_two_loses_less() {
         assert!((layered.surfaces.missed_mm3 - missed_mm3).abs() < 1e-9 * volume, "{seed}");
 
         // Who asks for the order alone gets the same one.
-        let order = part.order(None, 0.6, &go).unwrap();
+        let order = part.order(&by_hulls(None, 0.6), &go).unwrap();
         assert_eq!((order.strategy, &order.growth, &order.audit), (layered.strategy, &growth, &layered.audit));
     }
     assert!(taken.iter().all(|&count| count > 0), "{taken:?}");
@@ -242,7 +247,10 @@ fn coherent_layers_are_taken_where_they_end_less_inside() {
     for seed in 0..12 {
         let solid = random(seed);
         let part = solid.workpiece();
-        let (Ok(before), Ok(after)) = (part.layers(None, 0.8, &go), part.coherent_layers(None, 0.8, &go)) else {
+        let (Ok(before), Ok(after)) = (
+            part.layers(&by_hulls(None, 0.8), &go),
+            part.layers(&LayerOptions { coherent: true, ..by_hulls(None, 0.8) }, &go),
+        ) else {
             continue;
         };
         assert_eq!((&before.growth.order, &before.growth.missed), (&after.growth.order, &after.growth.missed));
@@ -267,7 +275,7 @@ fn an_order_is_grown_without_surfaces_where_there_is_no_choice() {
             seen.lock().unwrap().insert(p.stage);
             ControlFlow::Continue(())
         };
-        let order = part.order(strategy, 0.6, &watch).unwrap();
+        let order = part.order(&by_hulls(strategy, 0.6), &watch).unwrap();
         let grown = strategy.unwrap_or(order.strategy).grow(&part.cells, part.platform, &part.rules, &go).unwrap();
         assert_eq!(order.growth, grown);
         seen.into_inner().unwrap()
@@ -277,7 +285,7 @@ fn an_order_is_grown_without_surfaces_where_there_is_no_choice() {
     let with_misses = random(SEEDS.into_iter().find(|&seed| misses(&random(seed))).unwrap());
     assert_eq!(stages(&with_misses.workpiece(), Some(Strategy::Incremental)), BTreeSet::from(["grow", "audit"]));
     assert!(stages(&with_misses.workpiece(), None).contains("trim"));
-    let error = Workpiece { volume_mm3: 0.0, ..block.workpiece() }.order(None, 0.6, &go).unwrap_err();
+    let error = Workpiece { volume_mm3: 0.0, ..block.workpiece() }.order(&by_hulls(None, 0.6), &go).unwrap_err();
     assert!(matches!(error, LayersError::Volume { .. }));
 }
 
@@ -305,7 +313,7 @@ fn slow_thickness(surfaces: &LayerSurfaces, at: usize) -> Vec<f64> {
 #[test]
 fn thickness_is_evened_out_over_corners() {
     let solid = random(3);
-    let surfaces = solid.workpiece().layers(None, 0.6, &go).unwrap().surfaces;
+    let surfaces = solid.workpiece().layers(&by_hulls(None, 0.6), &go).unwrap().surfaces;
     let mut triangles = 0;
     for (at, (vertices, corners, thickness, _)) in surfaces.iter().enumerate() {
         let sheet = &surfaces.sheets[at];
@@ -320,7 +328,7 @@ fn thickness_is_evened_out_over_corners() {
 fn a_block_is_filled_and_ends_on_its_mesh() {
     let solid = Solid::block([6, 5, 4]);
     let part = solid.workpiece();
-    let layered = part.layers(None, 0.4, &go).unwrap();
+    let layered = part.layers(&by_hulls(None, 0.4), &go).unwrap();
     let LayerSurfaces { sheets, spacing, boundary, missed_mm3, .. } = &layered.surfaces;
     assert_eq!((layered.strategy, sheets.len()), (Strategy::Incremental, 5));
     assert!((spacing.volume_mm3 - part.volume_mm3).abs() < 1e-9 && *missed_mm3 < 1e-300);
@@ -384,10 +392,41 @@ fn overlaps_of_the_mesh_count_once() {
     assert_eq!(part.volume_of(&all, &|_| ControlFlow::Break(())), Err(LayersError::Cancelled));
 }
 
+/// A mesh that closes and overlaps nowhere has the volume that it goes round, to its last triangle; others that of their cells.
+#[test]
+fn a_new_part_knows_its_volume() {
+    let solid = Solid::block([4, 4, 4]);
+    let new = |vertices: &[Point3<f64>], triangles: &[[u32; 3]], of: &Solid| {
+        let cells = of.cells();
+        Workpiece::new((vertices, triangles), cells, CELL, Point3::origin(), &of.platform, &go)
+            .map(|part| part.volume_mm3)
+    };
+    // Larger than its cells by what no cell shows.
+    let grown: Vec<Point3<f64>> = solid.vertices.iter().map(|vertex| Point3::from(vertex.coords * 1.01)).collect();
+    let volume = 64.0 * (CELL * 1.01).powi(3);
+    assert!((new(&grown, &solid.triangles, &solid).unwrap() - volume).abs() < 1e-9);
+    let turned: Vec<[u32; 3]> = solid.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    assert!((new(&grown, &turned, &solid).unwrap() - volume).abs() < 1e-9);
+    // Twice the same block, or one in the other: a winding number of 2.
+    let twice: Vec<[u32; 3]> = [&solid.triangles[..], &solid.triangles[..]].concat();
+    assert!((new(&solid.vertices, &twice, &solid).unwrap() - 64.0 * CELL.powi(3)).abs() < 1e-9);
+    // A triangle is missing.
+    let holed = &solid.triangles[1..];
+    assert!((new(&solid.vertices, holed, &solid).unwrap() - 64.0 * CELL.powi(3)).abs() < 0.1 * 64.0 * CELL.powi(3));
+    let error = new(&solid.vertices, &[[0, 1, 999]], &solid).unwrap_err();
+    assert!(matches!(error, LayersError::Trim(_)), "{error}");
+    let flat: Vec<Point3<f64>> = solid.vertices.iter().map(|vertex| Point3::new(vertex.x, vertex.y, 0.0)).collect();
+    assert!(matches!(new(&flat, &solid.triangles, &solid), Err(LayersError::Volume { .. } | LayersError::Trim(_))));
+    let stop = |_| ControlFlow::Break(());
+    let mesh = (&solid.vertices[..], &solid.triangles[..]);
+    let stopped = Workpiece::new(mesh, solid.cells(), CELL, Point3::origin(), &solid.platform, &stop);
+    assert_eq!(stopped.err(), Some(LayersError::Cancelled));
+}
+
 #[test]
 fn a_saved_field_stands_for_its_order() {
     let solid = random(7);
-    let layered = solid.workpiece().layers(Some(Strategy::Greedy), 0.6, &go).unwrap();
+    let layered = solid.workpiece().layers(&by_hulls(Some(Strategy::Greedy), 0.6), &go).unwrap();
     let field = layered.uniform.field.clone();
     let rounded = field.rounded();
     let saved = SavedField {
@@ -410,23 +449,23 @@ fn errors_name_the_cause() {
     let solid = Solid::block([4, 4, 3]);
     let part = solid.workpiece();
     for volume_mm3 in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = Workpiece { volume_mm3, ..part }.layers(None, 0.5, &go).unwrap_err();
+        let error = Workpiece { volume_mm3, ..part }.layers(&by_hulls(None, 0.5), &go).unwrap_err();
         assert!(matches!(error, LayersError::Volume { .. }), "{error}");
     }
-    let error = part.layers(None, 0.01, &go).unwrap_err();
+    let error = part.layers(&by_hulls(None, 0.01), &go).unwrap_err();
     assert!(matches!(error, LayersError::Contour(ContourError::TooThin { .. })), "{error}");
     let vertices = vec![Point3::new(f64::NAN, 0.0, 0.0); solid.vertices.len()];
-    let error = Workpiece { vertices: &vertices, ..part }.layers(None, 0.5, &go).unwrap_err();
+    let error = Workpiece { vertices: &vertices, ..part }.layers(&by_hulls(None, 0.5), &go).unwrap_err();
     assert!(matches!(error, LayersError::Trim(_)), "{error}");
     let nothing = vec![0; 12];
     let none = Workpiece { cells: Cells::new([4, 4, 3], &nothing).unwrap(), ..part };
-    assert!(matches!(none.layers(None, 0.5, &go).unwrap_err(), LayersError::Growth(GrowthError::NoCell)));
+    assert!(matches!(none.layers(&by_hulls(None, 0.5), &go).unwrap_err(), LayersError::Growth(GrowthError::NoCell)));
 
     for stage in ["grow", "audit", "uniform", "contour", "trim", "spacing"] {
         let stop = |p: curvlay_layers::Progress| match p.stage == stage {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        assert_eq!(part.layers(None, 0.5, &stop).unwrap_err(), LayersError::Cancelled, "{stage}");
+        assert_eq!(part.layers(&by_hulls(None, 0.5), &stop).unwrap_err(), LayersError::Cancelled, "{stage}");
     }
 }

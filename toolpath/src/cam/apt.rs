@@ -19,7 +19,7 @@
 
 use super::{CamError, CamWritten, POSITIVE, check, goal, number};
 use crate::gcode::{FiberCommand, Mark, Move, Tool};
-use crate::surface::BeadKind;
+use crate::path::BeadKind;
 use nalgebra::{Point3, UnitVector3};
 use std::io::{BufWriter, Write};
 

@@ -15,7 +15,7 @@
 
 use super::{CamError, CamWritten, FEED, POSITIVE, check, goal, number};
 use crate::gcode::{FiberCommand, Mark, Move, Tool};
-use crate::surface::BeadKind;
+use crate::path::BeadKind;
 use nalgebra::distance;
 use std::io::{BufWriter, Write};
 

@@ -4,7 +4,7 @@
 //! `;TYPE:WALL-OUTER`. No firmware acts on them.
 
 use super::text::Text;
-use crate::surface::BeadKind;
+use crate::path::BeadKind;
 
 /// How layers and kinds of beads are told to viewers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

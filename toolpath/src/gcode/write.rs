@@ -113,7 +113,7 @@ const UNIT: f64 = 1e-6;
 /// Writes a file of G-code.
 ///
 /// # Arguments
-/// * `moves`: in order, or what becomes one, like the [moves of a plan](crate::surface::Deposition::moves); the first that goes anywhere, and the first after [`Move::Home`], is a [`Move::Travel`].
+/// * `moves`: in order, or what becomes one, like the [moves of a plan](crate::deposit::Deposition::moves); the first that goes anywhere, and the first after [`Move::Home`], is a [`Move::Travel`].
 ///
 /// Read back by [`GcodeReader`](super::GcodeReader), positions are within 1e-4 mm, directions within 1e-6 rad, the sum of
 /// filament within 1e-5 mm at any place, feeds within 1e-5 mm/s. With [`Dialect::Rotary`] a move may come back in several

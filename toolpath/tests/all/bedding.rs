@@ -1,8 +1,14 @@
 //! What tapes lie on, and what lies on them: judged as one does with a ruler.
 
+use curvlay_toolpath::fiber::bedding::{BeddingError, Roller, TapeBedding, bedded_surface, tape_bedding};
+use curvlay_toolpath::fiber::head::LayerTapes;
+use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::gcode::Tool;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::*;
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
+use curvlay_toolpath::support::{SupportError, SupportOptions};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 

@@ -4,7 +4,7 @@ use crate::gcode_common::{travel, unit};
 use curvlay_toolpath::cam::*;
 use curvlay_toolpath::gcode::{FiberCommand, Mark, Move, Tool};
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::BeadKind;
+use curvlay_toolpath::path::BeadKind;
 use proptest::prelude::*;
 
 fn print(tip: [f64; 3], direction: UnitVector3<f64>, filament_mm: f64, feed_mm_s: f64) -> Move {

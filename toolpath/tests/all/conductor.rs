@@ -1,8 +1,10 @@
 //! Wires on a layer: they stay on it, keep their corners, and say where they leave it.
 
+use curvlay_toolpath::fiber::conductor::{ConductorError, ConductorOptions, conductor};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
 use curvlay_toolpath::gcode::{FiberCommand, Move, Tool};
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::*;
 use proptest::prelude::*;
 
 /// A quarter of a cylinder of 30 mm about the y axis, 40 mm long, from flat pieces.

@@ -3,16 +3,15 @@
 //! The slow twin prints the samples once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on all their sheets against the nozzle.
 
-use crate::common::creases;
-use crate::common::layers;
+use crate::common::{creases, layers};
 
 use crate::common::{go_on, rng};
 use creases::{H, PIECE, last_touched, rows, sheets_by_triangle, slow_depth};
-use curvlay_toolpath::nalgebra::{Point3, Unit, UnitQuaternion, UnitVector3, Vector3};
-use curvlay_toolpath::surface::{
-    Contact, ContactError, Contacts, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, Obstacle, OrientOptions,
-    Pose, ResolvedPaths, ToolPath,
+use curvlay_toolpath::gouging::{
+    Contact, ContactError, Contacts, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, Obstacle, ResolvedPaths,
 };
+use curvlay_toolpath::nalgebra::{Point3, Unit, UnitQuaternion, UnitVector3, Vector3};
+use curvlay_toolpath::orientation::{OrientOptions, Pose, ToolPath};
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
 use rand::RngExt;

@@ -3,12 +3,14 @@
 use crate::common::layers;
 
 use crate::common::{go_on, to_boundary};
+use curvlay_toolpath::deposit::{Deposition, DepositionError, DepositionOptions, FeedLimits, MoveKind, deposit};
+use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack};
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point3, Unit, Vector3};
-use curvlay_toolpath::surface::{
-    BeadCurve, BeadKind, BuiltLayer, Deposition, DepositionError, DepositionOptions, FeedLimits, LayerCurve,
-    LayerStack, LevelField, MoveKind, OrientOptions, PathOptions, StatisticsOptions, SurfaceMesh, ToolPath, Waypoint,
-    deposit, path_statistics,
-};
+use curvlay_toolpath::orientation::{OrientOptions, ToolPath, Waypoint};
+use curvlay_toolpath::path::{BeadKind, PathOptions};
+use curvlay_toolpath::statistics::{BeadCurve, StatisticsOptions, path_statistics};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -123,7 +125,7 @@ proptest! {
         let paths: Vec<ToolPath> = paths.iter().map(one).collect();
         let options = DepositionOptions::default();
         let plan = deposit(&paths, &options).unwrap();
-        let sum = |of: &dyn Fn(&curvlay_toolpath::surface::Move) -> f64| plan.moves.iter().map(of).sum::<f64>();
+        let sum = |of: &dyn Fn(&curvlay_toolpath::deposit::Move) -> f64| plan.moves.iter().map(of).sum::<f64>();
         prop_assert!((sum(&|m| m.seconds) - plan.total_s).abs() < 1e-9);
         prop_assert!((sum(&|m| m.filament) - plan.filament_mm).abs() < 1e-9);
         prop_assert!((plan.filament_mm * PI / 4.0 * 1.75 * 1.75 - plan.extruded_mm3).abs() < 1e-9);

@@ -1,11 +1,12 @@
 //! Directions and stresses on layers.
 
 use crate::common::{go_on, grid};
+use curvlay_toolpath::fiber::direction::{DirectionError, DirectionField};
+use curvlay_toolpath::fiber::lines::CentreLine;
+use curvlay_toolpath::fiber::stress::{LayerStress, StressError, StressOptions, StressSample};
+use curvlay_toolpath::fiber::stripes::stripes;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
-use curvlay_toolpath::surface::{
-    CentreLine, DirectionError, DirectionField, LayerStress, StressError, StressOptions, StressSample, SurfaceMesh,
-    stripes,
-};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 

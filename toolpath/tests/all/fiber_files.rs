@@ -1,9 +1,10 @@
 //! Stresses from files: what is read, what is refused, and where.
 
-use curvlay_toolpath::nalgebra::{Matrix3, Point3};
-use curvlay_toolpath::surface::{
-    StressFileError, StressSample, read_stress_csv, read_stress_frd, read_stress_vtk, write_stress_csv,
+use curvlay_toolpath::fiber::stress::StressSample;
+use curvlay_toolpath::fiber::stress_files::{
+    StressFileError, read_stress_csv, read_stress_frd, read_stress_vtk, write_stress_csv,
 };
+use curvlay_toolpath::nalgebra::{Matrix3, Point3};
 use proptest::prelude::*;
 
 /// Two nodes, as CalculiX writes them.

@@ -1,10 +1,12 @@
 //! Lines of even spacing: stripes along a field, and geodesic offsets of guide curves.
 
 use crate::common::{go_on, grid};
+use curvlay_toolpath::fiber::direction::DirectionField;
+use curvlay_toolpath::fiber::lines::CentreLine;
+use curvlay_toolpath::fiber::offsets::{OffsetError, offset_lines};
+use curvlay_toolpath::fiber::stripes::{StripeError, Stripes, stripes};
+use curvlay_toolpath::mesh::{SurfaceMesh, SurfacePoint};
 use curvlay_toolpath::nalgebra::{Point2, Point3, Vector3};
-use curvlay_toolpath::surface::{
-    CentreLine, DirectionField, OffsetError, StripeError, Stripes, SurfaceMesh, SurfacePoint, offset_lines, stripes,
-};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;

@@ -1,12 +1,16 @@
 //! Tapes: where they may lie, what they cover, and why something is left out.
 
 use crate::common::{go_on, grid};
-use curvlay_toolpath::nalgebra::{Matrix3, Point3, Vector3};
-use curvlay_toolpath::surface::{
-    BeadCurve, DirectionField, EmptyPlan, LayerStress, StatisticsOptions, StressOptions, StressSample, SurfaceMesh,
-    TapeError, TapeLimit, TapeOptions, TapePlan, angle_to_principal, lay_tapes, lay_tapes_along, path_statistics,
-    plan_tapes, stripes,
+use curvlay_toolpath::fiber::direction::DirectionField;
+use curvlay_toolpath::fiber::measure::angle_to_principal;
+use curvlay_toolpath::fiber::stress::{LayerStress, StressOptions, StressSample};
+use curvlay_toolpath::fiber::stripes::stripes;
+use curvlay_toolpath::fiber::tapes::{
+    EmptyPlan, TapeError, TapeLimit, TapeOptions, TapePlan, lay_tapes, lay_tapes_along, plan_tapes,
 };
+use curvlay_toolpath::mesh::SurfaceMesh;
+use curvlay_toolpath::nalgebra::{Matrix3, Point3, Vector3};
+use curvlay_toolpath::statistics::{BeadCurve, StatisticsOptions, path_statistics};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -70,7 +74,7 @@ type Rectangle = ([f64; 2], [f64; 2], f64, f64);
 
 /// The pieces of each tape.
 fn rectangles(plan: &TapePlan) -> Vec<Vec<Rectangle>> {
-    let of = |tape: &curvlay_toolpath::surface::Tape| {
+    let of = |tape: &curvlay_toolpath::fiber::tapes::Tape| {
         let piece = |ends: &[Point3<f64>]| {
             let along = (ends[1] - ends[0]).normalize();
             ([ends[0].x, ends[0].y], [along.x, along.y], (ends[1] - ends[0]).norm(), tape.width / 2.0)

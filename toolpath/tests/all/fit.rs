@@ -2,8 +2,10 @@
 
 use crate::common::go_on;
 use curvlay_toolpath::Progress;
+use curvlay_toolpath::fill::{FillEstimate, FillLayersError, estimate_fill, fill_layer, fill_layers};
+use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::*;
+use curvlay_toolpath::path::{PathOptions, Unfilled, UnfilledReason};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

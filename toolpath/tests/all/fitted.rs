@@ -1,11 +1,12 @@
 //! Beads that fit, judged by the independent statistics.
 
 use crate::common::{go_on, grid, rng, to_boundary};
+use curvlay_toolpath::geodesic::SurfaceDistance;
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point2, Point3};
-use curvlay_toolpath::surface::{
-    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, StatisticsOptions, SurfaceDistance, SurfaceMesh,
-    path_statistics,
-};
+use curvlay_toolpath::path::{LayerPaths, PathOptions};
+use curvlay_toolpath::statistics::{BeadCurve, PathStatistics, StatisticsOptions, path_statistics};
 use proptest::prelude::*;
 use rand::RngExt;
 
@@ -16,7 +17,7 @@ fn filled(distance: &SurfaceDistance, bead: f64, fitted: bool) -> LayerPaths {
 }
 
 fn statistics(mesh: &SurfaceMesh, filled: &LayerPaths) -> PathStatistics {
-    let split = |path: &curvlay_toolpath::surface::SurfacePath| -> (Vec<Point3<f64>>, Vec<f64>) {
+    let split = |path: &curvlay_toolpath::path::SurfacePath| -> (Vec<Point3<f64>>, Vec<f64>) {
         path.points.iter().map(|p| (p.at.position, p.width)).unzip()
     };
     let curves: Vec<_> = filled.paths.iter().map(split).collect();

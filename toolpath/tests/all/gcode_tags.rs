@@ -1,9 +1,11 @@
 //! Comments for viewers, line numbers and checksums: what is written, and what a reader finds wrong.
 
 use crate::gcode_common::*;
-use curvlay_toolpath::gcode::*;
+use curvlay_toolpath::deposit::{DepositionOptions, deposit};
+use curvlay_toolpath::gcode::{marked_moves, *};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit, marked_moves};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
 use proptest::prelude::*;
 
 fn layer(number: u32, z_mm: f64, height_mm: f64) -> Move {

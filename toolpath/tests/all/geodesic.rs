@@ -5,8 +5,9 @@ use crate::common::slow;
 use crate::common::{
     boundary_edges, compact, go_on, grid, random_barycentric, refined, rng, rough, to_boundary, to_edges,
 };
+use curvlay_toolpath::geodesic::{DistanceError, Sources, SurfaceDistance};
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Translation3, Vector3};
-use curvlay_toolpath::surface::{DistanceError, Sources, SurfaceDistance, SurfaceMesh};
 use proptest::prelude::*;
 use rand::RngExt;
 use slow::slow_distance;

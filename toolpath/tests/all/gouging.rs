@@ -3,17 +3,16 @@
 //! The slow twin knows nothing of trees, bounds and caps: it looks at a dense raster of points on every sheet of every
 //! triangle.
 
-use crate::common::creases;
-use crate::common::layers;
-use crate::common::nozzle;
+use crate::common::{creases, layers, nozzle};
 
 use crate::common::go_on;
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
-use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::{
-    GougingError, GougingOptions, LayerStack, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, OrientOptions, Pose,
-    ResolvedPaths, ToolPath, Waypoint,
+use curvlay_toolpath::gouging::{
+    GougingError, GougingOptions, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, ResolvedPaths,
 };
+use curvlay_toolpath::layer::LayerStack;
+use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
+use curvlay_toolpath::orientation::{OrientOptions, Pose, ToolPath, Waypoint};
 use layers::{Layer, path, with_stack};
 use nozzle::{inside, to_profile};
 use proptest::prelude::*;

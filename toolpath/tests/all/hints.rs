@@ -1,9 +1,10 @@
 //! Directions that are known for places: which one is found, and what a search that starts from it frees.
 
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
+use curvlay_toolpath::layer::{BuiltLayer, DirectionHints, HintError, LayerCurve, LayerStack};
 use curvlay_toolpath::nalgebra::{Point3, Unit, UnitVector3, Vector3};
-use curvlay_toolpath::surface::{
-    BeadKind, BuiltLayer, DirectionHints, GougingOptions, HintError, LayerCurve, LayerStack, Nozzle, ToolPath, Waypoint,
-};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 

@@ -1,12 +1,17 @@
 //! Walls, skins and sparse infill: closed forms, densities, anchors, skins against brute force, degenerate parts, what is refused.
 
 use crate::common::{go_on, grid, to_boundary};
-use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{
-    BeadKind, Bridges, FillError, FillLayersError, FilledLayer, FilledLayers, InfillOptions, InfillPattern,
-    LayerSurface, Nozzle, PathError, PathOptions, Pattern, PrintOptions, SparseFill, StackError, SupportOptions,
-    SurfaceMesh, SurfacePath, check_support, fill_layer, fill_layers, fill_range,
+use curvlay_toolpath::fill::{
+    Bridges, FillLayersError, FilledLayer, FilledLayers, fill_layer, fill_layers, fill_range,
 };
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::infill::{FillError, SparseFill};
+use curvlay_toolpath::layer::{LayerSurface, StackError};
+use curvlay_toolpath::mesh::SurfaceMesh;
+use curvlay_toolpath::nalgebra::{Point3, Vector3};
+use curvlay_toolpath::path::{BeadKind, InfillOptions, InfillPattern, PathError, PathOptions, Pattern, SurfacePath};
+use curvlay_toolpath::plan::PrintOptions;
+use curvlay_toolpath::support::{SupportOptions, check_support};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -500,7 +505,7 @@ fn without_coverage_the_paths_are_the_same() {
         let bare = fill_layers(&part.surfaces(), &options, &go_on).unwrap();
         for (all, bare) in all.layers.iter().flatten().zip(bare.layers.iter().flatten()) {
             assert_eq!((&all.paths, all.uniform), (&bare.paths, bare.uniform));
-            let lengths = |of: &curvlay_toolpath::surface::PathStatistics| {
+            let lengths = |of: &curvlay_toolpath::statistics::PathStatistics| {
                 (of.path_mm, of.area_mm2, of.self_crossings, of.sharp_turns)
             };
             assert_eq!(lengths(&all.statistics), lengths(&bare.statistics));

@@ -2,8 +2,10 @@
 
 use crate::common::{boundary_edges, go_on, plate_with_holes, rng, to_boundary, to_edges, to_segment};
 use crate::paths::crossings;
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{LayerPaths, LevelField, PathError, PathOptions, SurfaceMesh, SurfacePath};
+use curvlay_toolpath::path::{LayerPaths, PathError, PathOptions, SurfacePath};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::collections::{BTreeSet, HashMap};

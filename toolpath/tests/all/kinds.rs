@@ -1,10 +1,13 @@
 //! What each piece of bead is for, from curves to moves.
 
 use crate::common::{go_on, grid, to_boundary};
+use curvlay_toolpath::deposit::{Move, MoveKind};
+use curvlay_toolpath::fill::fill_layers;
+use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    BeadKind, LayerSurface, Move, MoveKind, Nozzle, PathOptions, Pattern, PrintOptions, fill_layers,
-};
+use curvlay_toolpath::path::{BeadKind, PathOptions, Pattern};
+use curvlay_toolpath::plan::PrintOptions;
 
 const SIDE: f64 = 12.0;
 const BEAD: f64 = 0.8;

@@ -1,10 +1,10 @@
 //! Level sets against closed forms, against a raster, and against what must hold on any surface.
 
 use crate::common::{boundary_edges, go_on, grid, rough, to_boundary, to_edges};
+use curvlay_toolpath::geodesic::{Sources, SurfaceDistance};
+use curvlay_toolpath::level_set::{Band, LevelField, LevelSetError, LevelSets, Pocket, Ring};
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    Band, LevelField, LevelSetError, LevelSets, Pocket, Ring, Sources, SurfaceDistance, SurfaceMesh,
-};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

@@ -1,8 +1,8 @@
 //! What is a surface, what is not, and its rims and regions.
 
 use crate::common::{boundary_edges, grid};
+use curvlay_toolpath::mesh::{MeshError, SurfaceMesh};
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{MeshError, SurfaceMesh};
 use proptest::prelude::*;
 
 fn flat(points: &[[f64; 2]]) -> Vec<Point3<f64>> {

@@ -1,11 +1,13 @@
 //! Layers on a mould: its twin is a first layer without curves; and what is refused.
 
 use crate::common::layers::{Layer, path, with_own_stack, with_stack};
+use curvlay_toolpath::gouging::{GougingOptions, Moment, Nozzle, Obstacle};
+use curvlay_toolpath::layer::{BuiltLayer, LayerStack, Mould, MouldError, StackError};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Vector3};
-use curvlay_toolpath::surface::{
-    BuiltLayer, GougingOptions, LayerStack, Moment, Mould, MouldError, Nozzle, Obstacle, Pose, PrintOptions, PrintPlan,
-    StackError, SupportError, SupportOptions, ToolPath, TravelOptions, check_support, check_support_on_mould,
-};
+use curvlay_toolpath::orientation::{Pose, ToolPath};
+use curvlay_toolpath::plan::{PrintOptions, PrintPlan};
+use curvlay_toolpath::support::{SupportError, SupportOptions, check_support, check_support_on_mould};
+use curvlay_toolpath::travel::TravelOptions;
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 

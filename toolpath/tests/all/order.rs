@@ -2,10 +2,10 @@
 
 use crate::common::{go_on, rng};
 use curvlay_toolpath::Progress;
+use curvlay_toolpath::mesh::SurfacePoint;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    BeadKind, OrderError, PathPoint, SurfacePath, SurfacePoint, TravelCurve, TravelOrder, Visit, order_curves,
-};
+use curvlay_toolpath::order::{OrderError, TravelCurve, TravelOrder, Visit, order_curves};
+use curvlay_toolpath::path::{BeadKind, PathPoint, SurfacePath};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::ops::ControlFlow;

@@ -1,13 +1,11 @@
 //! Waypoints and directions along curves: closed forms, a slow twin, isometries, and what is refused.
 
-use crate::common;
-use crate::common::layers;
+use crate::common::{self, layers};
 
 use crate::common::{go_on, rng, rough};
+use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack, StackError};
 use curvlay_toolpath::nalgebra::{DMatrix, DVector, Isometry3, Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::{
-    BuiltLayer, LayerCurve, LayerStack, OrientError, OrientOptions, Oriented, StackError, Waypoint,
-};
+use curvlay_toolpath::orientation::{OrientError, OrientOptions, Oriented, Waypoint};
 use layers::{Layer, with_stack};
 use proptest::prelude::*;
 use rand::RngExt;

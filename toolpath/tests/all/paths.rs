@@ -4,11 +4,11 @@
 
 use crate::common::{compact, go_on, grid, random_barycentric, rng, rough, to_boundary};
 use curvlay_toolpath::Progress;
+use curvlay_toolpath::geodesic::{Sources, SurfaceDistance};
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point2, Point3, Vector2};
-use curvlay_toolpath::surface::{
-    LayerPaths, LevelField, PathError, PathOptions, Pattern, Sources, SurfaceDistance, SurfaceMesh, SurfacePath,
-    UnfilledReason,
-};
+use curvlay_toolpath::path::{LayerPaths, PathError, PathOptions, Pattern, SurfacePath, UnfilledReason};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::ops::ControlFlow;

@@ -1,11 +1,21 @@
 //! Whole prints in two calls: against the steps done one by one, and against sums done the plain way.
 
-use crate::common;
-use crate::common::{go_on, grid};
+use crate::common::{self, go_on, grid};
 use curvlay_toolpath::Progress;
+use curvlay_toolpath::deposit::{DepositionOptions, Move, MoveKind, deposit_along};
+use curvlay_toolpath::fill::{FillLayersError, FillTotals, FilledLayer, fill_layer, fill_layers};
 use curvlay_toolpath::gcode::{self, WriteOptions, write_gcode};
+use curvlay_toolpath::geodesic::SurfaceDistance;
+use curvlay_toolpath::gouging::{GougingError, GougingOptions, Nozzle};
+use curvlay_toolpath::infill::FillError;
+use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, StackError};
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::*;
+use curvlay_toolpath::orientation::{OrientError, OrientOptions};
+use curvlay_toolpath::path::{BeadKind, LayerPaths, PathOptions, PathPoint, Pattern, SurfacePath};
+use curvlay_toolpath::plan::{PrintError, PrintOptions, PrintPlan};
+use curvlay_toolpath::statistics::{BeadCurve, PathStatistics, StatisticsOptions, path_statistics};
 use rand::RngExt;
 use std::collections::HashSet;
 use std::ops::ControlFlow;

@@ -1,10 +1,11 @@
 //! Layers filled in ranges and put together: what one run gives, and ranges that are none.
 
 use crate::common::grid;
+use curvlay_toolpath::fill::{FillLayersError, fill_layers, fill_range, fill_rest};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    FillLayersError, InfillOptions, LayerSurface, PathOptions, SurfaceMesh, fill_layers, fill_range, fill_rest,
-};
+use curvlay_toolpath::path::{InfillOptions, PathOptions};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 

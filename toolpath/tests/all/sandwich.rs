@@ -1,9 +1,14 @@
 //! Layers of thermoplastic and tape in turn: the schedule, and the moves of a machine file.
 
 use crate::gcode_common::{BARE, read, written};
-use curvlay_toolpath::gcode::{FiberCommand, Mark, Move, Tool};
+use curvlay_toolpath::deposit::{DepositionOptions, deposit};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead, TapeHeadError, with_tapes};
+use curvlay_toolpath::fiber::sandwich::{SandwichError, SandwichOptions, raise, sandwich, sandwich_on};
+use curvlay_toolpath::fiber::tapes::Tape;
+use curvlay_toolpath::gcode::{FiberCommand, Mark, Move, Tool, marked_moves};
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::*;
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
 use proptest::prelude::*;
 
 fn options(base: u32, every: u32, cover: u32) -> SandwichOptions {

@@ -1,10 +1,14 @@
 //! Options and reports in files: they come back as they were, and what is misspelt is refused.
 #![cfg(feature = "serde")]
 
+use curvlay_toolpath::fill::{fill_layer, fill_layers};
+use curvlay_toolpath::gouging::GougingOptions;
+use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    GougingOptions, LayerSurface, PathOptions, Pattern, PrintOptions, StatisticsOptions, Turns, fill_layer, fill_layers,
-};
+use curvlay_toolpath::orientation::Turns;
+use curvlay_toolpath::path::{PathOptions, Pattern};
+use curvlay_toolpath::plan::PrintOptions;
+use curvlay_toolpath::statistics::StatisticsOptions;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
 use std::ops::ControlFlow;

@@ -1,8 +1,12 @@
 //! Short curves: which are left out, and which stay since something lies on them.
 
 use crate::common::{go_on, grid, plate_with_holes, to_boundary};
+use curvlay_toolpath::fill::fill_layers;
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{LayerPaths, LayerSurface, LevelField, PathOptions, SurfaceMesh, fill_layers};
+use curvlay_toolpath::path::{LayerPaths, PathOptions};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -58,8 +62,7 @@ fn figures_are_of_the_curves_that_stay() {
     let [some, all] = [1, 2].map(|count| fill_layers(&surfaces[..count], &options, &go_on).unwrap());
     assert_eq!((some.totals().short_left, all.totals().short_left), (1, 0));
     assert!((1.0..4.0).contains(&some.totals().short_left_mm));
-    let figures =
-        |filled: &curvlay_toolpath::surface::FilledLayers| filled.layers[0].as_ref().unwrap().statistics.clone();
+    let figures = |filled: &curvlay_toolpath::fill::FilledLayers| filled.layers[0].as_ref().unwrap().statistics.clone();
     let (some, all) = (figures(&some), figures(&all));
     assert_eq!((some.curves, all.curves), (1, 2));
     assert!(all.path_mm > some.path_mm + 1.0 && all.covered_fraction > some.covered_fraction + 0.01);
@@ -80,7 +83,7 @@ proptest! {
         prop_assert_eq!(all.paths.len(), some.paths.len() + some.short.len());
         let parts = mesh.regions();
         let mut longest: BTreeMap<u32, f64> = BTreeMap::new();
-        let part = |path: &curvlay_toolpath::surface::SurfacePath| parts.of_triangle[path.points[0].at.triangle as usize];
+        let part = |path: &curvlay_toolpath::path::SurfacePath| parts.of_triangle[path.points[0].at.triangle as usize];
         for path in &all.paths {
             let longest = longest.entry(part(path)).or_default();
             *longest = longest.max(path.length());

@@ -2,7 +2,9 @@
 
 use crate::common::{go_on, rng};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
-use curvlay_toolpath::surface::{BeadKind, SkinError, SkinGap, SkinOptions, ToolPath, Waypoint, skin_gap};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
+use curvlay_toolpath::shell::{SkinError, SkinGap, SkinOptions, skin_gap};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::ops::ControlFlow;

@@ -3,10 +3,9 @@
 
 use crate::common::{go_on, grid, refined, rng, rough};
 use approx::assert_abs_diff_eq;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
-use curvlay_toolpath::surface::{
-    BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, SurfaceMesh, path_statistics,
-};
+use curvlay_toolpath::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::f64::consts::PI;

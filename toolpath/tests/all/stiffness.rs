@@ -1,6 +1,8 @@
 //! Stiffness from a lay-up against closed forms, and against sums over thin slices.
 
-use curvlay_toolpath::surface::*;
+use curvlay_toolpath::fiber::stiffness::{
+    LayUp, StiffnessError, TapeInSection, arch_stiffness_n_mm, three_point_rigidity_nm2,
+};
 use proptest::prelude::*;
 
 fn bar(tapes: &[(f64, f64)]) -> LayUp {

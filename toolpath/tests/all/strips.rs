@@ -2,8 +2,15 @@
 
 use crate::common::{boundary_edges, go_on, grid, plate_with_holes, rng, to_boundary, to_edges, to_segment};
 use crate::paths::crossings;
+use curvlay_toolpath::deposit::{DepositionOptions, deposit};
+use curvlay_toolpath::fill::{FilledLayers, fill_layer, fill_layers};
+use curvlay_toolpath::layer::LayerSurface;
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::*;
+use curvlay_toolpath::orientation::OrientOptions;
+use curvlay_toolpath::path::{BeadKind, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath};
+use curvlay_toolpath::support::{SupportOptions, check_support};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::collections::BTreeSet;

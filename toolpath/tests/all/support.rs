@@ -3,9 +3,9 @@
 use crate::common::layers;
 
 use curvlay_toolpath::nalgebra::{Point3, Rotation3, Unit, Vector3};
-use curvlay_toolpath::surface::{
-    BeadKind, BeadSupport, SupportError, SupportOptions, ToolPath, UnsupportedPiece, Waypoint, check_support,
-};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
+use curvlay_toolpath::support::{BeadSupport, SupportError, SupportOptions, UnsupportedPiece, check_support};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 

@@ -2,15 +2,14 @@
 //!
 //! The slow twin looks at a raster of points through the thickness of every triangle, and at many places along each leg.
 
-use crate::common::layers;
-use crate::common::nozzle;
+use crate::common::{layers, nozzle};
 
 use crate::common::{go_on, rng, rough};
+use curvlay_toolpath::deposit::{DepositionError, DepositionOptions, MoveKind, deposit_along};
+use curvlay_toolpath::gouging::{GougingError, Nozzle, Obstacle};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use curvlay_toolpath::surface::{
-    BlockedTravel, DepositionError, DepositionOptions, GougingError, MoveKind, Nozzle, Obstacle, Pose, ToolPath,
-    TravelOptions, Travels, deposit_along,
-};
+use curvlay_toolpath::orientation::{Pose, ToolPath};
+use curvlay_toolpath::travel::{BlockedTravel, TravelOptions, Travels};
 use layers::{Layer, path, with_stack};
 use nozzle::{inside, to_profile};
 use rand::RngExt;

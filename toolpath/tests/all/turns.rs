@@ -2,15 +2,15 @@
 //!
 //! The slow twin compares the directions of all pairs of waypoints of a piece that are no farther apart than a millimetre.
 
-use crate::common::creases;
-use crate::common::layers;
+use crate::common::{creases, layers};
 
 use crate::common::go_on;
 use creases::{H, PIECE, groove_of, nowhere, rows, sheets};
+use curvlay_toolpath::deposit::deposit_along;
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{
-    GougingOptions, Nozzle, ResolvedPaths, ToolPath, TravelOptions, Turns, Waypoint, deposit_along,
-};
+use curvlay_toolpath::orientation::{ToolPath, Turns, Waypoint};
+use curvlay_toolpath::travel::TravelOptions;
 use layers::{Layer, path, with_stack};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_4;

@@ -1,7 +1,10 @@
 //! `.vtp` files, read by the rules of VTK's XML format: the header names arrays, offsets and types, the raw data has them.
 
+use curvlay_toolpath::deposit::{DepositionOptions, deposit};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
-use curvlay_toolpath::surface::{BeadKind, DepositionOptions, ToolPath, Waypoint, deposit, write_paths_vtp};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
+use curvlay_toolpath::vtp::write_paths_vtp;
 
 fn attribute<'a>(tag: &'a str, name: &str) -> &'a str {
     tag.split_once(&format!(" {name}=\"")).unwrap().1.split_once('"').unwrap().0

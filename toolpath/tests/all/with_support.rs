@@ -1,10 +1,10 @@
 //! Layers of a part and of its support, filled in their own ways and put together.
 
 use crate::common::grid;
+use curvlay_toolpath::fill::{FilledLayer, FilledLayers, fill_layers, fill_range, fill_rest};
+use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::surface::{
-    BeadKind, FilledLayer, FilledLayers, InfillOptions, LayerSurface, PathOptions, fill_layers, fill_range, fill_rest,
-};
+use curvlay_toolpath::path::{BeadKind, InfillOptions, PathOptions};
 use std::ops::{ControlFlow, Range};
 
 /// Of all triangles.

@@ -1,11 +1,12 @@
 //! Rows to and fro: closed forms, the independent raster, and what must hold on any surface.
 
 use crate::common::{compact, go_on, grid, rng, rough, to_boundary};
+use curvlay_toolpath::geodesic::SurfaceDistance;
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Vector3};
-use curvlay_toolpath::surface::{
-    BeadCurve, LayerPaths, LevelField, PathOptions, PathStatistics, Pattern, StatisticsOptions, SurfaceDistance,
-    SurfaceMesh, SurfacePath, UnfilledReason, path_statistics,
-};
+use curvlay_toolpath::path::{LayerPaths, PathOptions, Pattern, SurfacePath, UnfilledReason};
+use curvlay_toolpath::statistics::{BeadCurve, PathStatistics, StatisticsOptions, path_statistics};
 use proptest::prelude::*;
 use rand::RngExt;
 

@@ -178,7 +178,7 @@ fn followed<const N: usize>(
     let point = |waypoint: usize| {
         let Waypoint { position, axis } = paths[motion.path][waypoint].moved(frame_part);
         let passed_s = passed.next_if(|(passed, _)| *passed == waypoint).map(|(_, time)| time);
-        PathPoint { tip: position, axis, passed_s }
+        PathPoint { position, axis, passed_s }
     };
     motion.printed().into_iter().flatten().map(point).collect()
 }

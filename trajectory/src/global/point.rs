@@ -1,6 +1,7 @@
 //! A point of the search: free parameters at the waypoints, joints at all knots, and the spline through them.
 
 use super::options::Cone;
+use crate::angle::nearest_image;
 use crate::{Bounds, FreeRange, LadderNode, Robot, Timeline, run_in_and_out};
 use std::f64::consts::TAU;
 
@@ -118,7 +119,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         let mut joints = posture.joints;
         if let Some(like) = like {
             for (joint, like) in joints.iter_mut().zip(like) {
-                *joint += TAU * ((like - *joint) / TAU).round();
+                *joint = nearest_image(*joint, like);
             }
         }
         if !joints.iter().chain(posture.rates.iter().flatten()).all(|value| value.is_finite()) {

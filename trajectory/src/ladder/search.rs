@@ -5,8 +5,9 @@
 //! from.
 
 use super::buckets::{Buckets, Measure, best_pair};
+use super::error::LadderError;
+use super::node::{LadderNode, runs};
 use super::nodes::{Kind, Nodes, Window, each_image};
-use super::{LadderError, LadderNode};
 use crate::Progress;
 use crate::robot::Robot;
 use std::collections::VecDeque;
@@ -88,13 +89,6 @@ impl<const N: usize, const F: usize> Path<N, F> {
     pub fn runs(&self) -> Vec<Range<usize>> {
         runs(&self.breaks, self.nodes.len()).collect()
     }
-}
-
-/// What lies between breaks.
-pub(super) fn runs(breaks: &[usize], nodes: usize) -> impl Iterator<Item = Range<usize>> {
-    let starts = std::iter::once(0).chain(breaks.iter().copied());
-    let ends = breaks.iter().copied().chain(std::iter::once(nodes));
-    starts.zip(ends).map(|(start, end)| start..end)
 }
 
 /// Why there is none.

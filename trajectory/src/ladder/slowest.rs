@@ -13,8 +13,10 @@
 //! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast for that, the cell counts as near
 //! everything.
 
-use super::nodes::{Kind, wrapped};
-use super::{LadderError, LadderOptions, check};
+use super::error::LadderError;
+use super::nodes::Kind;
+use super::options::{LadderOptions, check};
+use crate::angle::wrapped;
 use crate::robot::{FreeRange, Robot};
 use crate::{Bounds, Progress};
 use std::f64::consts::PI;

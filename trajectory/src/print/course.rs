@@ -5,8 +5,9 @@
 //! on which that leads too far away are split: positions and directions by as much of both ends, the postures next to those
 //! of the motion.
 
-use super::cell::{Clearance, Moment, OnPath, PrintCell, PrintRobot, Waypoint};
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath};
+use super::workcell::{Clearance, Moment, OnPath, PrintRobot, PrintWorkcell, Waypoint};
+use crate::angle::nearest_image;
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, FlowLimits, LadderNode, TimePathError, TimePathStatus, Trajectory, time_path};
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector3};
@@ -118,10 +119,15 @@ impl<const N: usize, const F: usize> Course<N, F> {
     }
 
     /// Steps on which the nozzle gouges between two waypoints at which it does not.
-    pub fn gouging<R: PrintRobot<N, F>>(&self, motion: &Timed<N>, robot: &R, cell: &impl PrintCell<N>) -> Vec<usize> {
+    pub fn gouging<R: PrintRobot<N, F>>(
+        &self,
+        motion: &Timed<N>,
+        robot: &R,
+        workcell: &impl PrintWorkcell<N>,
+    ) -> Vec<usize> {
         let passed = motion.times();
         let is_free = |k: usize, waypoint: &Waypoint| {
-            !cell.is_gouging(Moment::At { path: self.path, waypoint: self.of[k] }, waypoint)
+            !workcell.is_gouging(Moment::At { path: self.path, waypoint: self.of[k] }, waypoint)
         };
         let gouges = |k: &usize| {
             let look = |look: u32| {
@@ -152,10 +158,11 @@ impl<const N: usize, const F: usize> Course<N, F> {
         &self,
         motion: &Timed<N>,
         task: &Task<'_, N, F, R>,
-        cell: &impl PrintCell<N>,
+        workcell: &impl PrintWorkcell<N>,
     ) -> Option<Self> {
         let mut steps = self.astray(motion, task);
-        let halved = self.gouging(motion, task.robot, cell).into_iter().chain(self.beyond(motion, &task.limits.bounds));
+        let halved =
+            self.gouging(motion, task.robot, workcell).into_iter().chain(self.beyond(motion, &task.limits.bounds));
         steps.extend(halved.map(|k| (k, 0.0)));
         steps.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
         steps.dedup_by_key(|step| step.0);
@@ -189,7 +196,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
         before: &mut Self,
         after: &mut Self,
         task: &Task<'_, N, F, R>,
-        cell: &impl PrintCell<N>,
+        workcell: &impl PrintWorkcell<N>,
     ) -> bool {
         let Bounds { lower, upper, .. } = task.inside();
         let reached = |waypoint: Waypoint, from: &LadderNode<N, F>| {
@@ -199,7 +206,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
                 let angle = node.joints[j];
                 (angle - from.joints[j]).abs() <= task.options.max_step[j] && (lower[j]..=upper[j]).contains(&angle)
             };
-            ((0..N).all(is_near) && cell.keeps(&node.joints, Clearance::Least)).then_some(node)
+            ((0..N).all(is_near) && workcell.keeps(&node.joints, Clearance::Least)).then_some(node)
         };
         let last = before.times.len() - 1;
         if let Some(node) = reached(before.waypoints[last], &after.nodes[0]) {
@@ -293,7 +300,7 @@ fn nearest<const N: usize, const F: usize>(
     let mut best: Option<LadderNode<N, F>> = None;
     for _ in 0..MAX_STEPS {
         let Some(Posture { joints, rates }) = robot.posture(0, &free, branch) else { break };
-        let joints = std::array::from_fn(|j| joints[j] + TAU * ((near[j] - joints[j]) / TAU).round());
+        let joints = std::array::from_fn(|j| nearest_image(joints[j], near[j]));
         let node = LadderNode { joints, free, branch };
         if best.is_some_and(|best| apart(&node, near) >= apart(&best, near)) {
             break;

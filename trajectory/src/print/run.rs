@@ -4,11 +4,11 @@
 //! The postures come from the motion of least jerk at the planned feed (`smooth_clear_of`), the timing from `time_path`:
 //! as fast as limits of speed, acceleration and jerk allow, nowhere faster than planned.
 
-use super::cell::{OnPath, PrintCell, PrintRobot, Waypoint};
 use super::course::{Course, Task, Timed, path_deviations};
 use super::options::{PrintError, PrintPath};
 use super::plan::{Fault, FaultKind, Run};
 use super::postures::{Chosen, Prepared, Section};
+use super::workcell::{OnPath, PrintRobot, PrintWorkcell, Waypoint};
 use crate::{Avoid, Bounds, GlobalOptions, LadderNode, MIN_WAYPOINTS, RunIn, Timeline, smooth_clear_of};
 use std::time::{Duration, Instant};
 
@@ -41,7 +41,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     chosen: &Chosen<N, F>,
     of_print: &PrintPath<'_>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<Planned<N, F>, PrintError> {
     let start = Instant::now();
     let Prepared { path, layer, sections, kept, faults, took } = &chosen.prepared;
@@ -74,7 +74,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
                 of: run.map(of_path).collect(),
             };
             let is_joined = match courses.last_mut() {
-                Some((before, _)) => Course::meet(before, &mut course, task, cell),
+                Some((before, _)) => Course::meet(before, &mut course, task, workcell),
                 None => true,
             };
             courses.push((course, is_joined));
@@ -90,7 +90,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             }
             let [began, ends] = [course.times[0], course.times[course.times.len() - 1]];
             planned.planned_s += ends - began;
-            let (course, motion) = on_course(course, of_print, task, cell)?;
+            let (course, motion) = on_course(course, of_print, task, workcell)?;
             planned.min_pace = planned.min_pace.min(motion.min_pace);
             planned.slow_runs += usize::from(!motion.is_fastest);
             let missed = |(waypoint, node): (&Waypoint, &LadderNode<N, F>)| {
@@ -125,18 +125,18 @@ fn on_course<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     course: Course<N, F>,
     path: &PrintPath<'_>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<(Course<N, F>, Timed<N>), PrintError> {
-    let smooth = smooth(&course, task, cell)?.map(|nodes| Course { nodes, ..course.clone() });
-    let Some(first) = smooth else { return split(course, path, task, cell) };
+    let smooth = smooth(&course, task, workcell)?.map(|nodes| Course { nodes, ..course.clone() });
+    let Some(first) = smooth else { return split(course, path, task, workcell) };
     let looked = |course| -> Result<([usize; 4], _, _), PrintError> {
-        let (course, motion) = split(course, path, task, cell)?;
-        let touches = |piece: &usize| cell.touches(&motion.trajectory.control(*piece)).is_some();
+        let (course, motion) = split(course, path, task, workcell)?;
+        let touches = |piece: &usize| workcell.touches(&motion.trajectory.control(*piece)).is_some();
         let faults = [
             course.beyond(&motion, &task.limits.bounds).len(),
             (0..motion.trajectory.times().len() - 1).filter(touches).count(),
             course.astray(&motion, task).len(),
-            course.gouging(&motion, task.robot, cell).len(),
+            course.gouging(&motion, task.robot, workcell).len(),
         ];
         Ok((faults, course, motion))
     };
@@ -156,11 +156,11 @@ fn split<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     mut course: Course<N, F>,
     path: &PrintPath<'_>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<(Course<N, F>, Timed<N>), PrintError> {
     let mut motion = course.timed(path, task)?;
     for _ in 0..MAX_SPLIT {
-        let Some(split) = course.split(&motion, task, cell) else { break };
+        let Some(split) = course.split(&motion, task, workcell) else { break };
         motion = split.timed(path, task)?;
         course = split;
     }
@@ -172,7 +172,7 @@ fn split<const N: usize, const F: usize, R: PrintRobot<N, F>>(
 fn smooth<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     course: &Course<N, F>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<Option<Vec<LadderNode<N, F>>>, PrintError> {
     if course.nodes.len() < MIN_WAYPOINTS || task.options.smoothing_rounds == 0 {
         return Ok(None);
@@ -181,7 +181,7 @@ fn smooth<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     let line = Timeline::new(&course.times, run).map_err(|error| PrintError::Timeline { path: course.path, error })?;
     let options =
         GlobalOptions { lower_peak: false, rounds: task.options.smoothing_rounds, ..GlobalOptions::default() };
-    let avoid = Avoid { indicator: cell, clear: task.options.clear, price: task.options.price };
+    let avoid = Avoid { indicator: workcell, clear: task.options.clear, price: task.options.price };
     // Accelerations and jerks are kept by the timing.
     let bounds = Bounds { acceleration: [f64::INFINITY; N], jerk: [f64::INFINITY; N], ..task.inside() };
     let on_path = OnPath { robot: task.robot, waypoints: &course.waypoints };

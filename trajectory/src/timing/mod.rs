@@ -8,7 +8,7 @@
 //! Symbols: the path parameter `s` is the planned time, the pace is `ds/dt`, `b = (ds/dt)^2`.
 //!
 //! Departs from them: the path is a function of `sigma` in which rest is regular (see `curve`), and the unknown is
-//! `beta = (d sigma / dt)^2` at knots; accelerations are taken in the middle of cells between knots and jerks at knots, from the difference of
+//! `beta = (d sigma / dt)^2` at knots; accelerations are taken in the middle of segments between knots and jerks at knots, from the difference of
 //! two accelerations; tangents are renewed in each step of one interior-point method (see `program`), whose steps are of different lengths along the path (see
 //! `local`). What is executed
 //! is the C2 cubic spline through the knots at their times, and not the solution of the program: its accelerations and
@@ -18,7 +18,6 @@
 
 mod curve;
 mod executed;
-mod factors;
 mod free;
 mod limits;
 mod local;

@@ -129,7 +129,7 @@ fn it_is_the_check_of_each_motion_with_what_is_built_by_then() {
     let scene = Layers { wall: Some(12.0), ..FREE };
     // The second path is printed 0.3 mm too low, which is off the path and in the layer.
     motions[4].joints.iter_mut().for_each(|joints| joints[2] -= 0.3);
-    let point = |at: &Waypoint| PathPoint { tip: at.position + Vector3::x() * 3.0, axis: at.axis, passed_s: None };
+    let point = |at: &Waypoint| PathPoint { position: at.position + Vector3::x() * 3.0, axis: at.axis, passed_s: None };
     let of: Vec<Vec<PathPoint>> = motions
         .iter()
         .map(|motion| {

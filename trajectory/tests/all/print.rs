@@ -8,8 +8,8 @@ use curvlay_trajectory::check::{
 use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_trajectory::print::{
-    Clearance, FaultKind, LegKind, Moment, PrintCell, PrintError, PrintLimits, PrintOptions, PrintPath, PrintPlan,
-    PrintPlanner, PrintRobot, TipSpeed, Waypoint, path_deviations, plan_print,
+    Clearance, FaultKind, LegKind, Moment, PrintError, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintPlanner,
+    PrintRobot, PrintWorkcell, TipSpeed, Waypoint, path_deviations, plan_print,
 };
 use curvlay_trajectory::transfer::FreeSpace;
 use curvlay_trajectory::{Bounds, BoundsError, FreeRange, Posture, Progress};
@@ -97,7 +97,7 @@ impl FreeSpace<4> for Cell {
     }
 }
 
-impl PrintCell<4> for Cell {
+impl PrintWorkcell<4> for Cell {
     fn begin(&mut self, layer: u32) -> Result<(), String> {
         if self.0 == Wall::Layer(layer) { Err("it is full".to_owned()) } else { Ok(()) }
     }
@@ -210,7 +210,7 @@ fn findings(plan: &PrintPlan<4, 1>, paths: &[Owned]) -> Vec<String> {
             let given = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?)));
             for (knot, waypoint) in given {
                 let Waypoint { position: tip, axis } = paths[leg.run.path].waypoints[waypoint];
-                path.push(PathPoint { tip, axis, passed_s: Some(start + times[knot]) });
+                path.push(PathPoint { position: tip, axis, passed_s: Some(start + times[knot]) });
             }
         }
         motions.push((leg.kind, times.iter().map(|time| start + time).collect::<Vec<_>>(), joints));
@@ -655,7 +655,7 @@ fn what_cannot_be_planned_is_named() {
     assert_eq!(field(with(&|_, options| options.clear = f64::NAN)), "clear");
     assert_eq!(field(with(&|_, options| options.price = -1.0)), "price");
     let refused = planned(Wall::Layer(1), &sound).unwrap_err();
-    assert_eq!(refused, PrintError::Cell { layer: 1, what: "it is full".to_owned() });
+    assert_eq!(refused, PrintError::Workcell { layer: 1, what: "it is full".to_owned() });
     assert_eq!(planned(Wall::None, &[]).unwrap().runs.len(), 0);
 }
 

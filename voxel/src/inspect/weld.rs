@@ -1,8 +1,8 @@
 //! A mesh with its corners joined, and what is wrong with single triangles.
 
+use super::error::{InspectError, MAX_COORDINATE};
 use super::predicates::clear_view;
 use super::report::{Finding, Place};
-use super::{InspectError, MAX_COORDINATE};
 use nalgebra::Point3;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

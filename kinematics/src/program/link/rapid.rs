@@ -9,8 +9,8 @@ use super::LinkFrame;
 use super::frame::{FIELD, FIELDS, FIELDS_AT, KIND_AT};
 use crate::program::WriteError;
 use crate::program::check::check_option;
-use crate::program::names::{Language, check_distinct, check_form, check_name};
 use crate::program::text::Text;
+use crate::program::text::names::{Language, check_distinct, check_form, check_name};
 use std::io::Write;
 
 /// How the controller's side is written.

@@ -1,12 +1,12 @@
 //! What a RAPID program has declared, and what the controller knows by itself; warnings of the reader.
 
-use super::instruction::Op;
+use super::op::Op;
 use super::{
     FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidAcceleration, RapidTool, RapidWorkObject, SPEEDS, TOOL0,
     WOBJ0, ZONES,
 };
 use crate::program::check::LARGEST;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Step, Target, Zone};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use std::collections::{BTreeMap, VecDeque};

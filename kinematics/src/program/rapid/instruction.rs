@@ -2,24 +2,11 @@
 
 use super::RapidAcceleration;
 use super::data::{Data, truth};
+use super::op::Op;
 use crate::program::check::LARGEST;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{ExternalAxes, Goal, HeadInput, HeadSignal, Move, ReadError, Speed, Step, Zone};
 use std::io::BufRead;
-
-/// What an instruction comes to.
-#[derive(Clone, Debug)]
-pub(super) enum Op {
-    Step(Step),
-    /// A procedure is called, by its name or late, by a text.
-    Call(String),
-    Load(String),
-    UnLoad,
-    /// It moves nothing.
-    Nothing,
-    /// The end of the procedure.
-    End,
-}
 
 /// What may stand in a procedure, for errors.
 const KNOWN: &str = "MoveL, MoveJ, MoveAbsJ, SetDO, SetAO, another instruction that is known here, or ENDPROC";

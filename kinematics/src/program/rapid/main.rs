@@ -1,10 +1,10 @@
 //! A whole RAPID module in memory: declarations and procedures.
 
 use super::data::Data;
-use super::instruction::{self, Op};
-use super::{RapidTool, RapidWorkObject};
+use super::op::Op;
+use super::{RapidTool, RapidWorkObject, instruction};
 use crate::program::ReadError;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use std::io::BufRead;
 
 /// What stands in a main module.

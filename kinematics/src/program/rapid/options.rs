@@ -2,7 +2,7 @@
 
 use super::{FILAMENT_STEP, FilamentOutput, RapidAcceleration, RapidOptions, RapidSwitching, TOOL0, TRIGGERS, WOBJ0};
 use crate::program::check::{check_frame, check_option, check_payload};
-use crate::program::names::{Language, check_distinct, check_form, check_name};
+use crate::program::text::names::{Language, check_distinct, check_form, check_name};
 use crate::program::{HeadInput, HeadSignal, WriteError};
 use nalgebra::Isometry3;
 

@@ -1,13 +1,12 @@
 //! RAPID, written.
 
 use super::options::check_options;
-use super::trigger::{Place, Triggers, Waiting, place};
+use super::trigger::{Place, Triggers, Waiting, place, write_filament_value};
 use super::{
-    ACCELERATION, DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION,
-    RapidAcceleration, RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
+    ACCELERATION, DEGREES, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidAcceleration,
+    RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
-use crate::program::check::Checker;
-use crate::program::seconds::Clock;
+use crate::program::check::{Checker, Clock};
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadInput, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
@@ -284,13 +283,6 @@ fn write_switch(text: &mut Text, signal: &Step, options: &RapidOptions) {
         }
         Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => {}
     }
-}
-
-pub(super) fn write_filament_value(text: &mut Text, mm_s: f64, options: &RapidOptions) {
-    match options.filament_output {
-        FilamentOutput::Analog => text.fixed(mm_s, FILAMENT),
-        FilamentOutput::Group { step_mm_s, .. } => text.fixed((mm_s / step_mm_s).round(), 0),
-    };
 }
 
 /// A move, with the signals on its path; only lines have any.

@@ -2,9 +2,9 @@
 
 use super::{FRAMES, FULL_SCALE, MM_PER_M};
 use crate::program::check::LARGEST;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{
-    ConfData, Goal, HeadInput, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, until_error,
+    ConfData, Goal, HeadInput, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, step::until_error,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::io::BufRead;

@@ -2,8 +2,8 @@
 
 use super::{DECIMALS, FRAMES, FULL_SCALE, MM_PER_M, Straight, UrScriptOptions};
 use crate::program::check::{Checker, LEAST, check_frame, check_option, check_payload};
-use crate::program::names::{Language, check_name};
 use crate::program::text::Text;
+use crate::program::text::names::{Language, check_name};
 use crate::program::{Goal, HeadInput, HeadSignal, Move, ProgramLimits, Step, WriteError, Zone};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;

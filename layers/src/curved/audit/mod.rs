@@ -18,14 +18,13 @@ pub use impossible::{ProofError, check_impossible};
 pub use nozzle::JudgedByNozzle;
 
 use super::{Neighbours, NozzleRuleError, Platform, Rules, RulesError};
-use crate::Progress;
 use crate::cells::{Cells, LayerOrder};
+use crate::{Progress, ProgressFn};
 use body::Body;
 use depth::{Depths, Question};
 use nozzle::{Meets, Obstructions};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
-use std::ops::ControlFlow;
 
 /// Faults of each kind that are listed one by one; the rest are only counted. More would tell a reader nothing new,
 /// and for each cell inside the hull that is listed its depth is worked out, which is slow.
@@ -292,7 +291,7 @@ pub fn audit(
     rules: &Rules,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     audit_any(cells, platform, rules, None, order, missed, progress)
 }
@@ -330,7 +329,7 @@ pub fn audit_with_nozzle(
     judged: &JudgedByNozzle,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     audit_any(cells, platform, rules, Some(judged), order, missed, progress)
 }
@@ -342,7 +341,7 @@ fn audit_any(
     judged: Option<&JudgedByNozzle>,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     rules.check(cells, platform)?;
     if let Some(judged) = judged {

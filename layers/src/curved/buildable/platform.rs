@@ -8,7 +8,7 @@ use crate::cells::{Cells, set_bits};
 use curvlay_hull::convex_polygon;
 use std::f64::consts::PI;
 
-/// A convex platform, in lattice coordinates (half cells, see the [module](super)), and the mould on it, if there is one.
+/// A convex platform, in lattice coordinates (half cells, see the [module](crate::curved)), and the mould on it, if there is one.
 ///
 /// A *mould* is what is there before the part: a block with a curved top (Dai 2020, section 5.3.2), or a part that exists already. It is a set of cells
 /// in the grid of the part, none of them of the part, and counts as built before the first layer: hulls hold the centres of

@@ -16,14 +16,13 @@ use super::directed::{DirectedOptions, directed};
 use super::lifted::lifted;
 use super::march::distances;
 use super::{HALF_LAYERS, ON_BASE, OnBase, STEPS_PER_LAYER, base, beside, in_cells, slope, solved};
-use crate::Progress;
 use crate::cells::{CellSet, Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::standing::{carried, joined};
 use crate::parallel::in_parallel;
+use crate::{Progress, ProgressFn};
 use nalgebra::{UnitVector3, Vector3};
-use std::ops::ControlFlow;
 
 /// How far the nozzle may lean from the way in which the field rises, as a cosine: a right angle, as far as the direction of a nozzle over a bead
 /// is searched. Less leaves the last cells open where fronts meet: a nozzle gets there only along the front.
@@ -92,7 +91,7 @@ pub fn grow_by_distance(
     rules: &Rules,
     base: Option<&[u32]>,
     nozzle: &NozzleRule,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<DistanceOrder, GrowthError> {
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let (grown, rounds) = job.delayed(|floors| solved(cells, &job.base, &|cell| floors.of(cell)))?;
@@ -143,7 +142,7 @@ pub fn grow_directed(
     nozzle: &NozzleRule,
     given: Option<&[Vector3<f64>]>,
     options: &DirectedOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<DistanceOrder, GrowthError> {
     let tilt = options.tilt_for(nozzle)?;
     let job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
@@ -194,7 +193,7 @@ pub fn grow_by_heights(
     base: Option<&[u32]>,
     nozzle: &NozzleRule,
     heights: &[f64],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<DistanceOrder, GrowthError> {
     let mut job = Job::new(cells, cell_mm, platform, rules, base, nozzle, progress)?;
     let len = cells.grid_len();
@@ -216,7 +215,7 @@ struct Job<'a> {
     nozzle: &'a NozzleRule,
     /// The cells that the order begins with, by rising number.
     base: Vec<OnBase>,
-    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'a>,
 }
 
 /// What came of a field.
@@ -241,7 +240,7 @@ impl<'a> Job<'a> {
         rules: &'a Rules,
         given: Option<&[u32]>,
         nozzle: &'a NozzleRule,
-        progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'a>,
     ) -> Result<Self, GrowthError> {
         check_growth(cells, cell_mm, platform, rules, nozzle)?;
         let mut standing = carried(cells, platform, rules);

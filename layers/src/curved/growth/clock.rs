@@ -12,15 +12,14 @@
 
 use super::front::{Front, Protected};
 use super::{GrowthError, prevention};
-use crate::Progress;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::{Neighbours, Rules};
 use crate::curved::buildable::standing::standing;
+use crate::{Progress, ProgressFn};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::f64::consts::SQRT_2;
-use std::ops::ControlFlow;
 
 /// Times this close are one, where a front is level.
 const ROUNDING: f64 = 1e-9;
@@ -69,7 +68,7 @@ pub(crate) fn grow_by_clock(
     rules: &Rules,
     release: Vec<f64>,
     stays_level: bool,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Clocked, GrowthError> {
     let mut clock = Clock::new(cells, platform, rules, release, stays_level)?;
     let first = standing(cells, platform, rules)?;

@@ -2,12 +2,11 @@
 
 use super::GrowthError;
 use super::front::{Front, Protected};
-use crate::Progress;
 use crate::cells::Cells;
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
+use crate::{Progress, ProgressFn};
 use curvlay_hull::Plane;
-use std::ops::ControlFlow;
 
 /// A cell that is inside before its turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +24,7 @@ pub(crate) fn covered(
     platform: &Platform,
     rules: &Rules,
     layers: &[Vec<u32>],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Covered>, GrowthError> {
     let mut front = Front::new(cells, platform, rules)?;
     let mut covered = Vec::new();

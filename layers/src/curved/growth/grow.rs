@@ -5,17 +5,16 @@ use super::grower::Grower;
 use super::options::GrowthOptions;
 use super::outcome::Growth;
 use super::peel::SheetField;
-use crate::Progress;
 use crate::cells::Cells;
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use std::ops::ControlFlow;
+use crate::{Progress, ProgressFn};
 
 /// Grows an order of the cells, layer by layer.
 ///
 /// # Arguments
 /// * `governor`: a field that says when a cell may be built at the earliest (Algorithm 5): first the cells with its
-///   least value are grown as far as they go, then those with the next one as well, and so on. [`peel`](self::peel())
+///   least value are grown as far as they go, then those with the next one as well, and so on. [`peel`](crate::curved::peel())
 ///   makes one.
 /// * `progress`: called with the stage `grow` and the number of cells built after each layer; may cancel.
 ///
@@ -46,7 +45,7 @@ pub fn grow(
     rules: &Rules,
     options: &GrowthOptions,
     governor: Option<&SheetField>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Growth, GrowthError> {
     check(cells, platform, rules, governor)?;
     let mut growth = Grower::new(cells, platform, rules, options, governor)?;

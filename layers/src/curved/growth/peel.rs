@@ -8,13 +8,12 @@
 //! of each lattice row out of what comes off, a row at a time.
 //! Departure: the printed Algorithm 4 leaves its counter one above the last sheet, so its inverse starts at 2; ours starts at 1.
 
-use crate::Progress;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::{Rules, RulesError};
 use crate::curved::buildable::shell::Skin;
+use crate::{Progress, ProgressFn};
 use curvlay_hull::HullError;
-use std::ops::ControlFlow;
 
 /// A number from 1 for each cell of a solid: cells with a low one are to be built first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,12 +88,7 @@ impl SheetField {
 /// assert_eq!((field.value(2), field.value(12), field.value(22)), (1, 2, 3)); // the foot, the middle, the top
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn peel(
-    cells: &Cells,
-    platform: &Platform,
-    rules: &Rules,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<SheetField, PeelError> {
+pub fn peel(cells: &Cells, platform: &Platform, rules: &Rules, progress: ProgressFn) -> Result<SheetField, PeelError> {
     rules.check(cells, platform)?;
     let mut skin = Skin::new(cells, platform, rules, rules.depth()?)?;
     let mut rest = CellSet::of(cells);

@@ -21,13 +21,12 @@ use super::grow::check;
 use super::peel::SheetField;
 use super::prevention::{self, Selection};
 use super::{Growth, GrowthError, GrowthStatistics, Prevention};
-use crate::Progress;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::standing::standing;
+use crate::{Progress, ProgressFn};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 
 /// Grows an order of the cells by Algorithm 5 of Dai 2020 as it is printed, to compare [`grow`](super::grow()) with.
 ///
@@ -64,7 +63,7 @@ pub fn grow_as_printed(
     rules: &Rules,
     prevention: Prevention,
     governor: &SheetField,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Growth, GrowthError> {
     check(cells, platform, rules, Some(governor))?;
     if matches!(prevention, Prevention::FewerThanAll | Prevention::FewerThan(_)) {

@@ -17,15 +17,14 @@ mod forced;
 mod search;
 
 use super::growth::GrowthError;
-use crate::Progress;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::standing::{joined, standing};
+use crate::{Progress, ProgressFn};
 use forced::forced_cells;
 use search::{Found, Search};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// Proofs after which the cells are looked for to which no chain leads any more. That costs one pass over all cells.
 const PROOFS_PER_PASS: usize = 32;
@@ -83,7 +82,7 @@ pub fn prove_impossible(
     platform: &Platform,
     rules: &Rules,
     asked: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Impossible>, GrowthError> {
     rules.check(cells, platform)?;
     if asked.is_empty() {

@@ -23,14 +23,13 @@ pub use rule::{DIRECTIONS, NozzleRule, NozzleRuleError};
 
 use super::growth::{Growth, GrowthError, MissedCell, MissedReason, NozzleCell};
 use super::unbuild::Extremes;
-use crate::Progress;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::standing::{joined, standing};
+use crate::{Progress, ProgressFn};
 pub(crate) use obstacles::Obstacles;
 use removal::{Printed, Removal, any_direction};
-use std::ops::ControlFlow;
 
 /// How often the removal starts again without what was stuck, as long as more gets built. The part that gains by it (`hanging-ball`) does the
 /// first time.
@@ -82,7 +81,7 @@ pub fn grow_with_nozzle(
     rules: &Rules,
     nozzle: &NozzleRule,
     growth: Growth,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Growth, GrowthError> {
     check_growth(cells, cell_mm, platform, rules, nozzle)?;
     let Growth { mut order, statistics, nozzle: mut directions, .. } = growth;
@@ -149,7 +148,7 @@ struct Job<'a> {
     nozzle: &'a NozzleRule,
     /// What is built before.
     base: &'a [u32],
-    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'a>,
 }
 
 impl Job<'_> {

@@ -4,16 +4,15 @@ use super::body::check_vertices;
 use super::columns::columns_below;
 use super::pose::Pose;
 use super::{OrientOptions, PoseError};
-use crate::Progress;
+use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::curved::buildable::platform::Platform;
 use crate::curved::growth::{Growth, GrowthError};
 use crate::curved::strategy::Strategy;
 use crate::curved::unbuild::{UnbuildOptions, unbuild};
-use crate::parallel::{Report, in_parallel_watched};
+use crate::parallel::in_parallel_watched;
 use nalgebra::Point3;
 use std::cmp::Ordering;
-use std::ops::ControlFlow;
 
 /// How often un-building may start again, which costs as much as the first time each. It finds the last few cells of a pose that misses
 /// few; a pose that misses many is no better for it.
@@ -105,7 +104,7 @@ pub fn judge_poses<E, V>(
     poses: &[Pose],
     options: &OrientOptions,
     voxelise: &V,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<JudgedPose>, PoseError<E>>
 where
     E: Send,
@@ -116,7 +115,7 @@ where
         return Err(PoseError::NoPose);
     }
     check_vertices(vertices)?;
-    let judge = |number: usize, watch: Report| {
+    let judge = |number: usize, watch: ProgressFn| {
         let pose = poses[number];
         let cells = voxelise(&pose.lay(vertices)).map_err(|error| PoseError::Voxelise { pose: number, error })?;
         Ok((judge(number, pose, &cells, options, watch)?, cells.cell_mm))
@@ -159,7 +158,7 @@ fn judge<E>(
     pose: Pose,
     made: &PoseCells,
     options: &OrientOptions,
-    watch: Report,
+    watch: ProgressFn,
 ) -> Result<JudgedPose, PoseError<E>> {
     let cell_mm = made.cell_mm;
     if !(cell_mm > 0.0 && cell_mm.is_finite()) {
@@ -198,7 +197,7 @@ fn grown(
     cells: &Cells,
     platform: &Platform,
     options: &OrientOptions,
-    watch: Report,
+    watch: ProgressFn,
 ) -> Result<(Strategy, Growth), GrowthError> {
     let OrientOptions { rules, strategy, .. } = options;
     if let Some(strategy) = *strategy {

@@ -1,6 +1,7 @@
 //! The cells below places that support is to carry: what was found out by printing a part without.
 
-use crate::curved::part::workpiece::{LayersError, Workpiece};
+use super::error::LayersError;
+use super::workpiece::Workpiece;
 use crate::trim::Trimmer;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeSet;

@@ -7,14 +7,14 @@
 //! Beside a mould a cell belongs to the base if the part is there where the middle of the first layer would be: half a layer over the point of the mould that is
 //! nearest to the centre of the cell, or beside that place within the cell. A part that passes the mould at a distance does not begin there.
 
-use super::workpiece::{LayersError, Workpiece};
-use crate::Progress;
+use super::error::LayersError;
+use super::workpiece::Workpiece;
+use crate::ProgressFn;
 use crate::cells::CellSet;
 use crate::curved::buildable::rules::Neighbours;
 use crate::curved::buildable::standing::{carried, joined};
 use crate::trim::{TrimError, Trimmer};
 use nalgebra::{Point3, Rotation3, UnitVector3, Vector3, center};
-use std::ops::ControlFlow;
 
 /// Places in a cell where the part is looked for, sideways from its middle along two directions, in cells.
 const SIDEWAYS: [f64; 3] = [-0.45, 0.0, 0.45];
@@ -22,11 +22,7 @@ const SIDEWAYS: [f64; 3] = [-0.45, 0.0, 0.45];
 impl Workpiece<'_> {
     /// The cells that touch the plate or the mould, by rising number: those that stand on them where the part is half a layer above, and all of feet on the plate
     /// without any. On a mould without a mesh, and for a mesh that cannot be cut, all that stand.
-    pub(crate) fn touching(
-        &self,
-        height_mm: f64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Vec<u32>, LayersError> {
+    pub(crate) fn touching(&self, height_mm: f64, progress: ProgressFn) -> Result<Vec<u32>, LayersError> {
         let standing = carried(&self.cells, self.platform, &self.rules);
         let mould = self.platform.mould.as_ref();
         if mould.is_some_and(|mould| !mould.is_mesh()) {

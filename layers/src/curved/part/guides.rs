@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Guides<'a> {
     /// Cells with support, by rising number, though the part may miss nothing without: e.g. those [below](crate::curved::Workpiece::cells_below) beads that were found to lie on nothing.
-    /// Cells of the part hold it beside their material. Without support ([`CompleteOptions::support`](crate::curved::CompleteOptions::support)) they count for nothing.
+    /// Cells of the part hold it beside their material. Without support ([`LayerOptions::support`](crate::curved::LayerOptions::support)) they count for nothing.
     pub support: &'a [u32],
     /// How high each cell of the grid lies over a surface, in cells, by its number ([`Workpiece::heights_over`](crate::curved::Workpiece::heights_over)): layers of an order by distance
     /// ([`LayersBy::Distance`](crate::curved::LayersBy::Distance)) are parallel to it. None: they follow the distance from what the part stands on.

@@ -1,12 +1,20 @@
 //! A part in layers, in one call: [`Workpiece`](workpiece::Workpiece).
+//!
+//! Data first: [`workpiece`], [`options`], [`guides`], [`error`]; then orders ([`by_hulls`], [`by_distance`]), their [`surfaces`], and all of it together ([`layered`]).
 
 mod below;
-pub(crate) mod best;
-mod coherent;
-pub(crate) mod complete;
+pub(super) mod best;
+mod by_distance;
+mod by_hulls;
 mod contact;
-pub(crate) mod directions;
-mod distance;
-pub(crate) mod guides;
-pub(crate) mod heights;
-pub(crate) mod workpiece;
+pub(super) mod directions;
+pub(super) mod error;
+pub(super) mod guides;
+pub(super) mod heights;
+pub(super) mod layer_surfaces;
+pub(super) mod layered;
+pub(super) mod options;
+pub(super) mod order;
+pub(super) mod support;
+mod surfaces;
+pub(super) mod workpiece;

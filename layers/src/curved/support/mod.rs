@@ -25,14 +25,13 @@ mod mesh;
 pub use mesh::{CellMesh, cell_mesh};
 
 use super::growth::{Growth, GrowthError};
-use crate::Progress;
 use crate::cells::{CellSet, Cells, CellsError};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::{Neighbours, Rules};
 use crate::curved::buildable::runs::Runs;
+use crate::{Progress, ProgressFn};
 use column::{DOWN, Ground, moved};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// What support looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,7 +195,7 @@ pub fn add_support(
     given: &[u32],
     options: &SupportOptions,
     grow: &dyn Fn(&Cells) -> Result<Growth, GrowthError>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Result<Supported, NoSupport>, SupportError> {
     options.check()?;
     if growth.missed.is_empty() && given.is_empty() {

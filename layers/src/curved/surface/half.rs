@@ -8,9 +8,8 @@
 
 use super::contour::{ContourError, Surface, contour};
 use super::extend::ExtendedField;
-use crate::Progress;
+use crate::ProgressFn;
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 impl ExtendedField {
     /// The surfaces at some levels, which rise, and the half layers between them, if the field [has some](super::LayerField::with_half_layers). Says of
@@ -23,7 +22,7 @@ impl ExtendedField {
         levels: &[f64],
         cell_mm: f64,
         origin: Point3<f64>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Vec<(bool, Surface)>, ContourError> {
         let half = |pair: &[f64]| (true, (pair[0] + pair[1]) / 2.0);
         let mut all: Vec<(bool, f64)> = levels.iter().map(|&level| (false, level)).collect();

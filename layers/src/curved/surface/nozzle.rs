@@ -8,11 +8,10 @@ use super::lattice::Lattice;
 use super::plain::plain_field;
 use super::slope::evened;
 use super::uniform::{UniformError, UniformField, UniformMethod, uniform_field};
-use crate::Progress;
 use crate::cells::{Cells, LayerOrder};
 use crate::curved::{JudgedByNozzle, Platform, Rules, audit_with_nozzle};
+use crate::{Progress, ProgressFn};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 
 /// Re-times an accepted order like [`uniform_field`], some cells of which are judged by the nozzle.
 ///
@@ -52,7 +51,7 @@ pub fn uniform_field_with_nozzle(
     judged: &JudgedByNozzle,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<UniformField, UniformError> {
     if judged.cells.is_empty() {
         return uniform_field(cells, platform, rules, order, missed, progress);

@@ -17,11 +17,10 @@
 //! neighbour that ends nearby does not count as its distance; and triangles are weighted by area, not sampled.
 
 use super::tree::Tree;
-use crate::Progress;
-use crate::parallel::{Report, in_parallel_watched};
+use crate::ProgressFn;
+use crate::parallel::in_parallel_watched;
 use crate::trim::{SurfaceSlices, Trimmer};
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// How far a neighbour may be, in layer heights. Spacing of hop counts goes up to twice its mean where a front
 /// sweeps round a corner; a ray that goes farther has left the part, and finds another branch of it.
@@ -156,7 +155,7 @@ struct Found {
 pub fn measure_spacing(
     surfaces: &[SurfaceSlices],
     height_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
     measure(surfaces, None, height_mm, progress)
 }
@@ -196,7 +195,7 @@ pub fn measure_spacing_within(
     surfaces: &[SurfaceSlices],
     solid: &Trimmer,
     height_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
     measure(surfaces, Some(solid), height_mm, progress)
 }
@@ -205,7 +204,7 @@ fn measure(
     surfaces: &[SurfaceSlices],
     solid: Option<&Trimmer>,
     height_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
     if !(height_mm > 0.0 && height_mm.is_finite()) {
         return Err(SpacingError::Height { height_mm });
@@ -221,7 +220,7 @@ fn measure(
         }
     }
     let tree = Tree::new(surfaces);
-    let of_surface = |surface: usize, _: Report| -> Vec<Found> {
+    let of_surface = |surface: usize, _: ProgressFn| -> Vec<Found> {
         let (points, triangles) = surfaces[surface];
         let has = [surface > 0, surface + 1 < surfaces.len()];
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);

@@ -18,11 +18,10 @@ use super::field::{FieldError, LayerField};
 use super::lattice::Lattice;
 use super::plain::plain_field;
 use super::slope::evened;
-use crate::Progress;
 use crate::cells::{Cells, LayerOrder};
 use crate::curved::growth::grow_by_clock;
 use crate::curved::{AuditError, AuditReport, GrowthError, Platform, Rules, audit};
-use std::ops::ControlFlow;
+use crate::{Progress, ProgressFn};
 
 /// How many layers before its own layer in the order a cell may be built: tried one after the other. With a longer
 /// lead parts with arms that dip below their root are left with cells that cannot be built any more; with a shorter one
@@ -119,7 +118,7 @@ pub fn uniform_field(
     rules: &Rules,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<UniformField, UniformError> {
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
     let plain = plain_field(cells, order)?;

@@ -27,11 +27,11 @@ pub(super) use extreme::Extremes;
 pub(super) use links::Links;
 
 use super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
-use crate::Progress;
 use crate::cells::{CellSet, Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::standing::{buried, joined, standing};
+use crate::{Progress, ProgressFn};
 use chances::last_chances;
 use detour::Detour;
 use removal::Removal;
@@ -87,7 +87,7 @@ pub fn unbuild(
     platform: &Platform,
     rules: &Rules,
     options: &UnbuildOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Growth, GrowthError> {
     rules.check(cells, platform)?;
     let total = cells.count();

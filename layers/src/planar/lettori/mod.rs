@@ -35,11 +35,10 @@ mod torch;
 mod wall;
 
 use super::{Partition, Solid};
-use crate::Progress;
+use crate::{Progress, ProgressFn};
 use layers::{Stand, analyse};
 use nalgebra::Vector3;
 use regions::first_region;
-use std::ops::ControlFlow;
 use take::{Strategy, Work};
 use torch::{Plate, blocked_mm3};
 
@@ -94,7 +93,7 @@ struct Open {
 pub fn decompose_volume(
     solid: &Solid,
     options: &VolumeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<VolumeDecomposition, VolumeError> {
     let [low, high] = solid.bounds();
     options.check((high - low).amax())?;
@@ -161,7 +160,7 @@ fn divide(
     direction: Vector3<f64>,
     strategy: Strategy,
     options: &VolumeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<(Score, VolumeDecomposition), VolumeError> {
     let base = solid.extent(&direction)[0];
     let mut score = Score { overhang_mm3: 0.0, blocked_mm3: 0.0, parts: 0 };

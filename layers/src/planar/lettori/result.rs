@@ -49,7 +49,7 @@ pub struct Separation {
 pub enum StuckReason {
     /// No wall leaves both what carries the overhang and something beyond it: the part stopped shrinking.
     NoWall,
-    /// There would be more parts than [`VolumeOptions::max_parts`].
+    /// There would be more parts than [`VolumeOptions::max_parts`](super::VolumeOptions::max_parts).
     TooManyParts,
 }
 

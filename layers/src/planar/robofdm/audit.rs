@@ -8,10 +8,9 @@ use super::audited::AuditedPart;
 use super::contacts::contacts;
 use super::error::RoboFdmError;
 use super::head::Head;
-use crate::Progress;
 use crate::planar::{CutPlane, PlaneFrame, Region, Solid, slice};
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// How parts are checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +120,7 @@ pub fn audit_parts(
     solid: &Solid,
     parts: &[AuditedPart],
     options: &AuditOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<PartsAudit, RoboFdmError> {
     options.check()?;
     let Some(first) = parts.first() else { return Err(RoboFdmError::Empty) };

@@ -19,9 +19,9 @@ use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
 use super::tuning::{Decomposition, finely_decomposed, polished};
-use crate::Progress;
 use crate::parallel::map_items;
 use crate::planar::{CutPlane, Solid};
+use crate::{Progress, ProgressFn};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -229,7 +229,7 @@ pub fn beam_search(
     solid: &Solid,
     sequence: Option<&BuildSequence>,
     options: &BeamOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Decomposition, RoboFdmError> {
     options.tuning.check()?;
     let counts = [("width", options.width), ("branches", options.branches)];

@@ -15,8 +15,8 @@ use super::reasons::{Left, left};
 use super::sequence::BuildSequence;
 use super::state::{Promises, State};
 use super::strength::Hold;
-use crate::Progress;
 use crate::planar::Solid;
+use crate::{Progress, ProgressFn};
 use std::ops::ControlFlow;
 
 /// A solid in parts, in the order in which they are printed.
@@ -93,7 +93,7 @@ pub fn tune(
     solid: &Solid,
     sequence: &BuildSequence,
     options: &TuningOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Decomposition, RoboFdmError> {
     options.check()?;
     let Some(root) = sequence.parts.first() else { return Err(RoboFdmError::Empty) };

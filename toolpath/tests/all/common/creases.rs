@@ -3,8 +3,9 @@
 
 use super::layers::{Layer, path};
 use crate::common::{self, rng, rough};
+use curvlay_toolpath::gouging::Nozzle;
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
-use curvlay_toolpath::surface::{Nozzle, ToolPath};
+use curvlay_toolpath::orientation::ToolPath;
 use rand::RngExt;
 
 /// Height of all layers.

@@ -1,7 +1,9 @@
 //! Layers of a part that tests own.
 
+use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Unit, Vector3};
-use curvlay_toolpath::surface::{BeadKind, BuiltLayer, LayerCurve, LayerStack, ToolPath, Waypoint};
+use curvlay_toolpath::orientation::{ToolPath, Waypoint};
+use curvlay_toolpath::path::BeadKind;
 
 /// A curve: its points, the width of its bead, whether it is closed.
 pub type Curve = (Vec<Point3<f64>>, f64, bool);

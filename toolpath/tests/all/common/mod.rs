@@ -6,8 +6,9 @@ pub mod nozzle;
 pub mod slow;
 
 use curvlay_toolpath::Progress;
+use curvlay_toolpath::geodesic::SurfaceDistance;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point2, Point3};
-use curvlay_toolpath::surface::{SurfaceDistance, SurfaceMesh};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::ops::ControlFlow;

@@ -5,8 +5,8 @@
 //! each edge and vertex, the lines that can still be straight through all sequences of different triangles; nothing is
 //! pruned. The rest is the shortest path in a graph of vertices.
 
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point2, Vector2};
-use curvlay_toolpath::surface::SurfaceMesh;
 
 /// From where lines start, laid flat.
 #[derive(Clone, Copy)]

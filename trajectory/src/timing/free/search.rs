@@ -1,8 +1,8 @@
 //! Rounds of sequential convex programming, and the timing of what they find.
 
 use super::model::Point;
+use super::options::{TimeFreeError, TimeFreeOptions, TimeFreeStatus};
 use super::program::{Program, Rows};
-use super::{TimeFreeError, TimeFreeOptions, TimeFreeStatus};
 use crate::timing::{FlowLimits, TimePathError, TimedMotion, time_path};
 use crate::{Bounds, FreeRange, LadderNode, Progress, Robot};
 use std::ops::ControlFlow;

@@ -40,14 +40,13 @@ use super::field::{FieldError, LayerField};
 use super::lattice::Lattice;
 use super::slope::{evened, relax};
 use super::uniform::{UniformError, UniformField, UniformMethod, rows_of};
-use crate::Progress;
 use crate::cells::{Cells, LayerOrder};
 use crate::curved::buildable::standing::standing;
 use crate::curved::growth::{Covered, covered};
 use crate::curved::{GrowthError, Platform, Rules, audit};
+use crate::{Progress, ProgressFn};
 use flood::flooded;
 use part::Part;
-use std::ops::ControlFlow;
 
 /// Steps in a layer of a [`coherent_field`]. A support is a step earlier at least, so layers are up to so many cells thick. With 1 `fertility` keeps 2.3 % of
 /// neighbours 3 layers apart, with 2 0.11 %, with 3 or 4 0.05 %. A power of two: steps are exact in floating point.
@@ -112,7 +111,7 @@ pub fn coherent_field(
     rules: &Rules,
     order: &LayerOrder,
     missed: &[u32],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Option<UniformField>, UniformError> {
     let plain = super::plain_field(cells, order)?;
     let rows = rows_of(cells, order);
@@ -159,7 +158,7 @@ struct Envelope<'a> {
     cells: &'a Cells<'a>,
     platform: &'a Platform,
     rules: &'a Rules,
-    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'a>,
 }
 
 impl Envelope<'_> {

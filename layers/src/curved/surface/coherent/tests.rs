@@ -4,6 +4,7 @@ use super::*;
 use crate::curved::{AuditReport, Fault, Strategy};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use std::ops::ControlFlow;
 
 const DIMS: [u32; 3] = [5, 3, 4];
 

@@ -26,13 +26,12 @@ mod cube;
 mod qef;
 
 use super::extend::ExtendedField;
-use crate::Progress;
-use crate::parallel::{Report, in_parallel_watched};
+use crate::ProgressFn;
+use crate::parallel::in_parallel_watched;
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use qef::Qef;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// Nearest that a vertex comes to a face of its cube, in cells. Vertices of different cubes are twice as far apart
 /// then, which keeps triangles from having no height; a larger margin would move surfaces that lie in the planes of
@@ -181,7 +180,7 @@ pub fn contour(
     levels: &[f64],
     cell_mm: f64,
     origin: Point3<f64>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Surface>, ContourError> {
     contour_with(field, levels, cell_mm, origin, VertexPlacement::default(), progress)
 }
@@ -213,12 +212,12 @@ pub fn contour_with(
     cell_mm: f64,
     origin: Point3<f64>,
     placement: VertexPlacement,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Surface>, ContourError> {
     check_cell(cell_mm, origin)?;
     let crossings = crossings(field, levels);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
-    let one = |k: usize, _: Report| Contour::new(field, levels[k], placement).run(&crossings[k], cell_mm, low);
+    let one = |k: usize, _: ProgressFn| Contour::new(field, levels[k], placement).run(&crossings[k], cell_mm, low);
     in_parallel_watched(levels.len(), "contour", progress, one).ok_or(ContourError::Cancelled)
 }
 

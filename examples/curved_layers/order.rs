@@ -1,0 +1,143 @@
+//! Stage `field`: the order of the cells, grown or saved, and the surfaces that are made of it.
+
+use crate::failure;
+use crate::surfaces::{self, Made};
+use curvlay_examples::args::{Failure, Part};
+use curvlay_examples::clock::StageClock;
+use curvlay_layers::ProgressFn;
+use curvlay_layers::curved::surface::SavedField;
+use curvlay_layers::curved::{
+    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, SupportCells, Workpiece, audit_with_nozzle,
+};
+use std::time::Duration;
+
+/// How long the steps took.
+pub struct Times {
+    pub inspect: Duration,
+    pub voxelise: Duration,
+    pub peel: Duration,
+    /// Peeling included, and a second strategy if it was tried.
+    pub grow: Duration,
+    pub audit: Duration,
+    /// Of the proofs that missed cells are impossible, and of their check.
+    pub prove: Duration,
+    pub check_proofs: Duration,
+    /// All of these, and the surfaces: those of the order that was not taken as well.
+    pub total: Duration,
+}
+
+impl Times {
+    /// The times of a run whose stages a clock has noted.
+    pub fn of(clock: &StageClock, inspect: Duration, voxelise: Duration) -> Self {
+        let [peel, grow, audit, prove, check_proofs, surfaces] = [
+            &["peel"][..],
+            &["grow", "distance", "peel", "unbuild", "nozzle", "support"],
+            &["audit"],
+            &["impossible"],
+            &["check"],
+            &["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"],
+        ]
+        .map(|stages| clock.on_the_clock(stages));
+        let total = inspect + voxelise + grow + audit + prove + check_proofs + surfaces;
+        Times { inspect, voxelise, peel, grow, audit, prove, check_proofs, total }
+    }
+}
+
+/// An order of the cells.
+pub struct Ordered {
+    pub growth: Growth,
+    /// Cells that the order by the hull rule alone missed.
+    pub missed_by_hull: Vec<u32>,
+    pub strategy: &'static str,
+    /// What found it; none for a saved one.
+    pub layers_by: Option<LayersBy>,
+    pub audit: AuditReport,
+    /// Cells of support outside of the part, those of the part that hold support as well, and what straight columns would take.
+    pub support: Vec<u32>,
+    pub contact: Vec<u32>,
+    pub straight_cells: usize,
+    pub no_support: Option<NoSupport>,
+    /// Its layers, if surfaces are made.
+    pub made: Option<Made>,
+}
+
+impl Ordered {
+    /// The order that an earlier run has saved.
+    pub fn saved(
+        saved: SavedField,
+        workpiece: &Workpiece,
+        options: &LayerOptions,
+        makes_surfaces: bool,
+        (part, clock): (&Part, &StageClock),
+        progress: ProgressFn,
+    ) -> Result<Self, Failure> {
+        let Workpiece { platform, rules, cell_mm, .. } = *workpiece;
+        let growth = saved.growth()?;
+        let (support, contact) = (saved.aids.support.clone(), saved.aids.contact.clone());
+        let steps = saved.field.steps_per_layer();
+        let judged = JudgedByNozzle { rule: saved.aids.rule, cell_mm, steps, cells: &growth.nozzle };
+        let missed = growth.missed_cells();
+        clock.note("audit", 0);
+        let order = saved.field.order();
+        let audit = audit_with_nozzle(&saved.cells()?, platform, &rules, &judged, &order, &missed, progress)
+            .map_err(failure)?;
+        let height_mm = options.height_mm.unwrap_or(cell_mm);
+        let cells = SupportCells { cells: &support, contact: &contact };
+        let layers = makes_surfaces
+            .then(|| workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, progress));
+        let layers = layers.transpose().map_err(|error| surfaces::failed(error, part))?;
+        let made = layers.map(|(layers, support)| {
+            let SavedField { field, aids, .. } = saved;
+            Made { layers, support, field, aids, method: "saved".to_owned(), waits: 0 }
+        });
+        let (missed_by_hull, strategy) = (missed, "saved");
+        let (layers_by, straight_cells, no_support) = (None, 0, None);
+        Ok(Ordered {
+            growth,
+            missed_by_hull,
+            strategy,
+            layers_by,
+            audit,
+            support,
+            contact,
+            straight_cells,
+            no_support,
+            made,
+        })
+    }
+
+    /// The order that is found now. There are no layers of one that fails its audit.
+    pub fn grown(
+        workpiece: &Workpiece,
+        options: &LayerOptions,
+        makes_surfaces: bool,
+        part: &Part,
+        progress: ProgressFn,
+    ) -> Result<Self, Failure> {
+        let failed = |error| surfaces::failed(error, part);
+        let order = workpiece.order(options, progress).map_err(failed)?;
+        let strategy = match order.layers_by {
+            LayersBy::Distance => "distance",
+            LayersBy::Directed => "directed",
+            _ => order.strategy.name(),
+        };
+        let SupportCells { cells: support, contact } = order.support_cells();
+        let mut ordered = Ordered {
+            growth: order.final_growth().clone(),
+            missed_by_hull: order.missed_by_hull.clone(),
+            strategy,
+            layers_by: Some(order.layers_by),
+            audit: order.audit.clone(),
+            support: support.to_vec(),
+            contact: contact.to_vec(),
+            straight_cells: order.supported.as_ref().map_or(0, |supported| supported.straight_cells),
+            no_support: order.no_support,
+            made: None,
+        };
+        if makes_surfaces && order.audit.is_ok() {
+            let layered = workpiece.layers_of(order, options, progress).map_err(failed)?;
+            ordered.made = Some(Made::of(layered, options.rule));
+        }
+        Ok(ordered)
+    }
+}

@@ -1,0 +1,264 @@
+//! From level sets to the paths of a layer.
+
+use super::curve::Loop;
+use super::polyline::Curve;
+use super::spacing::{BEAD_WIDTHS, Spacing};
+use super::thin::thinned;
+use super::{chains, join, narrow, rows, short, spirals, widths, zigzag};
+use crate::Progress;
+use crate::level_set::LevelField;
+use crate::mesh::SurfacePoint;
+use crate::path::{
+    BeadKind, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
+};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// More levels than this are refused: the bead is then no bead but a slip of the unit.
+const MOST_LEVELS: usize = 100_000;
+/// Points of a path nearer together than this share of a bead are thinned out.
+const THIN: f64 = 0.02;
+
+/// Beads whose middle is nearer to the boundary than this, in beads, are walls: the outermost is 0.625 from it at most, the next one
+/// 1.125 at least.
+const WALL: f64 = 0.875;
+
+/// Steps from level sets to paths, for reports of progress.
+const STEPS: u64 = 5;
+
+/// Paths, and what contours leave.
+pub(crate) struct Contours {
+    pub paths: LayerPaths,
+    /// For each vertex of the refined mesh how far it is inward of the innermost contour's inner edge, in millimetres; below 0 on the
+    /// contours and where fewer of them fit. Empty if the number of contours is not limited.
+    pub inside: Vec<f64>,
+}
+
+impl LevelField<'_> {
+    /// Paths that fill the surface with beads.
+    ///
+    /// Even beads run along the level sets half a bead from the boundary and at every bead from there. Fitted ones
+    /// ([`PathOptions::fitted`]) are as wide as asked for along the boundary; those towards the medial axis share what
+    /// is left of the way across. With
+    /// [`Pattern::Spirals`] each connected region gets one curve, which starts and ends on its outer rim, next to itself.
+    /// Where rings nowhere run side by side (rare: small rings in narrow places) a region gets more than one; compare
+    /// the number of paths, joints and short curves with `regions`. Those shorter than about three beads are left out there: a single bead takes their place.
+    /// [`Pattern::Zigzag`] has rows instead, a bead apart by geodesic distance, and more than one curve where holes and bays
+    /// part them.
+    ///
+    /// At last curves whose ends nearly meet are joined ([`PathOptions::join_distance`]), and short ones left out
+    /// ([`PathOptions::min_length`]), so that there may be fewer curves than regions.
+    ///
+    /// # Arguments
+    /// * `progress`: called with the stage `paths`, for each curve and between five steps; may cancel.
+    ///
+    /// # Errors
+    /// [`PathError`].
+    ///
+    /// # Cost
+    /// That of the level sets, and for each ring some hundreds of passes over its points.
+    ///
+    /// # Example
+    /// ```
+    /// # use curvlay_toolpath::nalgebra::Point3;
+    /// use curvlay_toolpath::geodesic::SurfaceDistance;
+    /// use curvlay_toolpath::level_set::LevelField;
+    /// use curvlay_toolpath::mesh::SurfaceMesh;
+    /// use curvlay_toolpath::path::PathOptions;
+    /// # use std::ops::ControlFlow;
+    /// // A square of 16 mm and beads of 1 mm.
+    /// let corners = [[0.0, 0.0], [16.0, 0.0], [16.0, 16.0], [0.0, 16.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    /// let square = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?;
+    /// let distance = SurfaceDistance::to_boundary(&square, &|_| ControlFlow::Continue(()))?;
+    /// let field = LevelField::new(&distance, 0.01, &|_| ControlFlow::Continue(()))?;
+    /// let filled = field.paths(&PathOptions { bead: 1.0, ..PathOptions::default() }, &|_| ControlFlow::Continue(()))?;
+    /// assert_eq!((filled.paths.len(), filled.regions), (1, 1));
+    /// // As long as 256 mm^2 need, but for gaps along the diagonals.
+    /// assert!((filled.paths[0].length() - 256.0).abs() < 8.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn paths(
+        &self,
+        options: &PathOptions,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<LayerPaths, PathError> {
+        Ok(self.contours(options, None, progress)?.paths)
+    }
+
+    /// Paths that fill the surface, or so many contours from the boundary inward and what is too narrow for them.
+    pub(crate) fn contours(
+        &self,
+        options: &PathOptions,
+        walls: Option<u32>,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Contours, PathError> {
+        let done = AtomicU64::new(0);
+        let watch = || match progress(Progress { stage: "paths", done: done.load(Ordering::Relaxed), total: STEPS }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PathError::Cancelled),
+        };
+        let step = || {
+            done.fetch_add(1, Ordering::Relaxed);
+            watch()
+        };
+        let bead = options.bead;
+        if !(bead > 0.0 && bead.is_finite()) {
+            return Err(PathError::Bead { bead });
+        }
+        let PathOptions { min_gap: gap, join_distance, min_length, min_width, .. } = *options;
+        let from_zero = |value: f64| value >= 0.0 && value.is_finite();
+        if !from_zero(gap) {
+            return Err(PathError::Gap { gap });
+        }
+        if !from_zero(join_distance) {
+            return Err(PathError::JoinDistance { beads: join_distance });
+        }
+        if !from_zero(min_length) {
+            return Err(PathError::MinLength { beads: min_length });
+        }
+        if !(narrow::LEAST_MIN_WIDTH..=BEAD_WIDTHS[0]).contains(&min_width) {
+            return Err(PathError::MinWidth { beads: min_width });
+        }
+        options.infill.check()?;
+        let fitted = options.fitted && options.pattern != Pattern::Zigzag;
+        let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted, walls.map(|walls| walls as usize));
+        let inside: Vec<f64> = walls.map(|walls| spacing.inside(walls as usize)).unwrap_or_default();
+        if walls == Some(0) {
+            return Ok(Contours { paths: LayerPaths::default(), inside });
+        }
+        let sets = self.sets(&spacing);
+        step()?;
+        if sets.rings.iter().any(|ring| !ring.closed) {
+            return Err(PathError::NotToBoundary);
+        }
+        // A shorter ring would be a blot.
+        let loop_of = |ring| Loop::new(ring).filter(|on| on.length() >= bead);
+        let loops: Vec<Option<Loop>> = sets.rings.iter().map(loop_of).collect();
+        let chains = chains::chains(&sets, &loops, bead);
+        let mesh = self.distance().mesh();
+        let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
+        let mut found = LayerPaths { regions, ..LayerPaths::default() };
+        let mut curves = match options.pattern {
+            Pattern::Spirals => {
+                let rings = spirals::Rings { mesh, sets: &sets, spacing: &spacing, loops: &loops, bead };
+                let curves = spirals::connect(&rings, &chains, &watch)?.curves(mesh, &loops).into_iter();
+                let curve = |(points, region)| Curve { points, closed: false, region, least: THIN * bead };
+                curves.map(curve).collect::<Vec<_>>()
+            }
+            Pattern::Rings => {
+                let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r, chain.region)));
+                let curve = |(r, region): (u32, u32)| {
+                    let points = loops[r as usize].as_ref()?.points().to_vec();
+                    Some(Curve { points, closed: true, region, least: THIN * bead })
+                };
+                rings.filter_map(curve).collect()
+            }
+            Pattern::Zigzag => {
+                let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r as usize, chain.region)));
+                let outer = rings.filter(|&(r, _)| sets.rings[r].level == 0);
+                let rim = |(r, region): (usize, u32)| Some(rows::Rim { on: loops[r].as_ref()?, region });
+                let rims: Vec<rows::Rim> = outer.filter_map(rim).collect();
+                let curves = zigzag::curves(self, &rims, bead)?.into_iter();
+                curves.map(|(points, closed, region)| Curve { points, closed, region, least: THIN * bead }).collect()
+            }
+        };
+        curves.sort_by_key(|curve| curve.region);
+        step()?;
+        thinned(mesh, &mut curves, bead, &watch)?;
+        step()?;
+        let mut widths: Vec<Vec<f64>> = match fitted {
+            true => widths::fitted(mesh, &spacing, &curves, bead, &watch)?,
+            false => curves.iter().map(|curve| vec![bead; curve.points.len()]).collect(),
+        };
+        step()?;
+        let wanted = narrow::Wanted::usual(&spacing, [bead, gap]);
+        let singles = match options.pattern {
+            // Rows keep off the boundary: what a ring along it would cover is theirs.
+            Pattern::Zigzag => {
+                let outer = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
+                let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
+                let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
+                let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
+                narrow::single_beads(self, &wanted, &rims, &widths, &inside, &watch)?
+            }
+            _ => narrow::single_beads(self, &wanted, &curves, &widths, &inside, &watch)?,
+        };
+        step()?;
+        for (points, width) in singles {
+            curves.push(Curve { points, closed: false, region: found.regions as u32, least: 0.0 });
+            widths.push(width);
+            found.regions += 1;
+        }
+        let kind = |at: &SurfacePoint| if walls.is_some() { BeadKind::Wall } else { self.kind(at, bead) };
+        let points = |points: Vec<SurfacePoint>, widths: Vec<f64>| -> Vec<PathPoint> {
+            points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width, kind: kind(&at) }).collect()
+        };
+        let path = |(curve, widths): (Curve, Vec<f64>)| SurfacePath {
+            points: points(curve.points, widths),
+            closed: curve.closed,
+            region: curve.region,
+        };
+        let paths;
+        let apart = curves.into_iter().zip(widths).map(path).collect();
+        (paths, found.joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
+        let strips = narrow::strip_beads(self, &spacing, [bead, gap, min_width], &paths, &inside, &watch)?;
+        let strip = |(k, (at, widths)): (u32, narrow::Single)| SurfacePath {
+            points: points(at, widths),
+            closed: false,
+            region: found.regions as u32 + k,
+        };
+        found.narrow = (0..).zip(strips).map(strip).collect();
+        (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
+        found.unfilled = self.unfilled(&found.paths);
+        Ok(Contours { paths: found, inside })
+    }
+
+    /// What a bead of a layer that is filled solid is for.
+    fn kind(&self, at: &SurfacePoint, bead: f64) -> BeadKind {
+        let distance = self.distance().at(at.triangle, at.barycentric).distance;
+        if distance < WALL * bead { BeadKind::Wall } else { BeadKind::Solid }
+    }
+
+    /// The greatest distance from the boundary; infinite if there is no boundary anywhere.
+    pub(crate) fn greatest(&self) -> f64 {
+        let finite = self.values.iter().copied().filter(|v| v.is_finite());
+        finite.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |most| most.max(v)))).unwrap_or(f64::INFINITY)
+    }
+
+    /// The greatest distance from the boundary.
+    fn reach(&self, bead: f64) -> Result<f64, PathError> {
+        let reach = self.values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+        if reach / bead > MOST_LEVELS as f64 {
+            return Err(PathError::BeadTooSmall { bead, reach });
+        }
+        Ok(reach)
+    }
+
+    /// Connected parts of the mesh without a path.
+    pub(crate) fn unfilled(&self, paths: &[SurfacePath]) -> Vec<Unfilled> {
+        let mesh = self.distance().mesh();
+        let parts = mesh.regions();
+        let mut filled = vec![false; parts.count];
+        let all = paths.iter().flat_map(|path| &path.points);
+        all.for_each(|point| filled[parts.of_triangle[point.at.triangle as usize] as usize] = true);
+        let mut found: Vec<Option<(Unfilled, f64)>> = vec![None; parts.count];
+        for (triangle, corners) in (0..).zip(mesh.triangles()) {
+            let part = parts.of_triangle[triangle as usize] as usize;
+            if filled[part] {
+                continue;
+            }
+            let [a, b, c] = corners.map(|v| mesh.vertices()[v as usize]);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let third = [1.0 / 3.0; 3];
+            let reach = self.distance().at(triangle, third).distance;
+            let middle = SurfacePoint { triangle, barycentric: third, position: mesh.point(triangle, third) };
+            let reason = if reach.is_finite() { UnfilledReason::Narrow } else { UnfilledReason::NoBoundary };
+            let (unfilled, farthest) = found[part].get_or_insert((Unfilled { at: middle, area: 0.0, reason }, reach));
+            unfilled.area += area;
+            if reach > *farthest {
+                (unfilled.at, *farthest) = (middle, reach);
+            }
+        }
+        found.into_iter().flatten().map(|(unfilled, _)| unfilled).collect()
+    }
+}

@@ -1,0 +1,306 @@
+//! From surfaces to filled layers.
+
+use super::bridge::{mark, mark_support};
+use super::errors::FillLayersError;
+use super::estimate::check_size;
+use super::filled::{Bead, FilledLayer, FilledLayers, SolidPart, beads};
+use super::judge::{judge_again, statistics};
+use super::short::keep_carriers;
+use crate::geodesic::SurfaceDistance;
+use crate::infill::{FillError, Filled, Site, Sites, TOLERANCE, filled as filled_part, sites};
+use crate::layer::LayerSurface;
+use crate::level_set::LevelField;
+use crate::mesh::SurfaceMesh;
+use crate::order::{TravelCurve, order_curves};
+use crate::path::{LayerPaths, PathOptions, Pattern};
+use crate::statistics::PathStatistics;
+use crate::{Progress, parallel};
+use nalgebra::Point3;
+use std::ops::{ControlFlow, Range};
+use std::sync::Mutex;
+
+/// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
+///
+/// With sparse infill ([`PathOptions::infill`]) it is taken for a part of one layer: if there are skins all of it is one.
+///
+/// # Arguments
+/// * `surface`: with at least one triangle; its thickness is used for volumes of sparse infill only.
+/// * `progress`: called with the stages `distance`, `curves` and `coverage`, from 0 on; may cancel.
+///
+/// # Errors
+/// [`FillError`].
+///
+/// # Cost
+/// Some tenths of a second for a surface of 10,000 triangles; twice that where beads cross.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::fill::fill_layer;
+/// use curvlay_toolpath::layer::LayerSurface;
+/// use curvlay_toolpath::path::PathOptions;
+/// use std::ops::ControlFlow;
+/// let vertices = [[0.0, 0.0], [16.0, 0.0], [16.0, 8.0], [0.0, 8.0]].map(|[x, y]| Point3::new(x, y, 0.4));
+/// let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
+/// let filled = fill_layer(&surface, &PathOptions::default(), &|_| ControlFlow::Continue(()))?;
+/// assert_eq!((filled.paths.paths.len(), filled.uniform), (1, false));
+/// assert!(filled.statistics.covered_fraction > 0.97);
+/// # Ok::<(), curvlay_toolpath::infill::FillError>(())
+/// ```
+pub fn fill_layer(
+    surface: &LayerSurface,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayer, FillError> {
+    fill_at(surface, options, None, progress)
+}
+
+/// Fills a surface that has a place in a part.
+fn fill_at(
+    surface: &LayerSurface,
+    options: &PathOptions,
+    site: Option<&Site>,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayer, FillError> {
+    let report = |stage: &'static str| move |p: Progress| progress(Progress { stage, ..p });
+    // Each stage from nothing done to all of it, so that a caller can tell them apart.
+    let mark = |stage: &'static str, done: u64| match progress(Progress { stage, done, total: 1 }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(FillError::Cancelled),
+    };
+    let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
+    mark("distance", 0)?;
+    let distance = SurfaceDistance::to_boundary(&mesh, &report("distance"))?;
+    mark("distance", 1)?;
+    // A bead wider than the surface has room nowhere; its level sets would tell nothing of the surface.
+    let corners = surface.triangles.iter().flatten().map(|&corner| &surface.vertices[corner as usize]);
+    let (low, high) = corners
+        .fold((Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])), |(low, high), p| {
+            (low.inf(p), high.sup(p))
+        });
+    let tolerance = TOLERANCE * options.bead.min((high - low).norm());
+    let field = LevelField::new(&distance, tolerance, &report("curves"))?;
+    let reach_mm = field.greatest();
+    let alone = Site::alone(&mesh, &options.infill);
+    let site = site.unwrap_or(&alone);
+    let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
+        mark("curves", 0)?;
+        let Filled { paths, sparse, solid, solid_mm2 } = if options.infill.is_solid() {
+            Filled::solid(field.paths(options, &report("curves"))?)
+        } else {
+            filled_part(&field, surface, options, site, &report("curves"))?
+        };
+        mark("curves", 1)?;
+        let statistics = match &solid {
+            None if solid_mm2.is_some_and(|area| area <= 0.0) => PathStatistics::of_no_area(),
+            solid => {
+                // Where curves cross is asked on the whole mesh in any case, so that paths do not depend on whether coverage is asked for.
+                let of_curves = PathOptions { coverage: options.coverage && solid.is_none(), ..*options };
+                let whole = statistics(&mesh, &paths, &of_curves, reach_mm, &report("coverage"))?;
+                let found = match solid {
+                    Some(solid) => {
+                        let areas = statistics(solid, &paths, options, reach_mm, &report("coverage"))?;
+                        let PathStatistics { self_crossings, sharp_turns, .. } = whole;
+                        PathStatistics { self_crossings, sharp_turns, ..areas }
+                    }
+                    None => whole,
+                };
+                PathStatistics { area_mm2: solid_mm2.unwrap_or(found.area_mm2), ..found }
+            }
+        };
+        mark("coverage", 1)?;
+        // Layers into which no curve may come back are not judged again.
+        let comes_back = !paths.short.is_empty() || !paths.narrow.is_empty();
+        let solid = solid.filter(|_| sparse.area_mm2 > 0.0 && comes_back);
+        let solid =
+            solid.map(|mesh| SolidPart { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() });
+        Ok(FilledLayer { paths, statistics, uniform, reach_mm, sparse, solid, support: None })
+    };
+    // The figures know nothing of how the curves were made; what they find fault with is made anew.
+    match filled(options, false) {
+        Err(FillError::Cancelled) => Err(FillError::Cancelled),
+        Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
+        // There is nothing more uniform than uniform beads, and rows are.
+        as_asked if !options.fitted || options.pattern == Pattern::Zigzag => as_asked,
+        fitted => match filled(&PathOptions { fitted: false, ..*options }, true) {
+            Err(error) if error != FillError::Cancelled => fitted,
+            uniform => uniform,
+        },
+    }
+}
+
+/// Fills all surfaces of a part ([`fill_layer`]) and orders their curves.
+///
+/// # Arguments
+/// * `surfaces`: in build order; those without triangles stay empty.
+/// * `progress`: called with the stage `fill` after each surface, in between with the stages of [`fill_layer`] from
+///   the threads that do them, and with `order`; may cancel.
+///
+/// # Errors
+/// [`FillLayersError`], of the first surface that cannot be filled. [`FillLayersError::TooManyPoints`] before any work is done;
+/// [`FillLayersError::NothingFits`] if not one of the surfaces gets a curve.
+///
+/// # Cost
+/// That of [`fill_layer`] for each surface and of [`order_curves`]. With the feature `rayon` surfaces are shared out among
+/// threads; the result is the same.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::fill::fill_layers;
+/// use curvlay_toolpath::gouging::Nozzle;
+/// use curvlay_toolpath::layer::LayerSurface;
+/// use curvlay_toolpath::path::PathOptions;
+/// use curvlay_toolpath::plan::PrintOptions;
+/// use std::ops::ControlFlow;
+/// // Two layers of a block, 0.8 mm thick.
+/// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
+/// let vertices = [level(0.4), level(1.2)];
+/// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false,
+/// });
+/// let silent = |_| ControlFlow::Continue(());
+/// let filled = fill_layers(&surfaces, &PathOptions::default(), &silent)?;
+/// assert_eq!((filled.totals().curves, filled.totals().jumps), (2, 1));
+/// let plan = filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &silent)?;
+/// assert!((plan.deposition.extruded_mm3 / filled.covered_mm3(&surfaces) - 1.0).abs() < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fill_layers(
+    surfaces: &[LayerSurface],
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayers, FillLayersError> {
+    fill_rest(surfaces, Vec::new(), options, progress)
+}
+
+/// Fills some of the surfaces of a part: the work of [`fill_layers`] that looks at one surface at a time, for one who shares it out among
+/// computers. [`fill_rest`] does the rest.
+///
+/// # Arguments
+/// * `surfaces`: all of them, as [`fill_layers`] takes them.
+/// * `range`: which of them to fill, from 0.
+///
+/// # Returns
+/// What was made of each surface of the range; none for one without triangles.
+///
+/// # Errors
+/// [`FillLayersError::Range`] for surfaces that are not there; others as [`fill_layers`], but that nothing may fit here.
+///
+/// # Cost
+/// That of [`fill_layer`] for each. With sparse infill the triangles of all surfaces are sorted as well, since skins depend on what is above
+/// and below.
+///
+/// # Example
+/// As for [`fill_rest`].
+pub fn fill_range(
+    surfaces: &[LayerSurface],
+    range: Range<usize>,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Vec<Option<FilledLayer>>, FillLayersError> {
+    check_size(surfaces, options)?;
+    let first = range.start;
+    let wrong = FillLayersError::Range { range: [range.start, range.end], layers: surfaces.len() };
+    let wanted = surfaces.get(range.clone()).ok_or(wrong)?;
+    let Sites { of_layer, .. } = if options.infill.is_solid() {
+        Sites::default()
+    } else {
+        sites(surfaces, |layer| range.contains(&layer), options, progress)?.ok_or(FillLayersError::Cancelled)?
+    };
+    let fill = |k: usize, surface: &LayerSurface| {
+        let site = of_layer.get(first + k).and_then(Option::as_ref);
+        let filled = (!surface.triangles.is_empty()).then(|| fill_at(surface, options, site, progress)).transpose();
+        filled.map_err(|error| FillLayersError::of(first + k, error))
+    };
+    let filled = parallel::map(wanted, "fill", progress, fill);
+    filled.ok_or(FillLayersError::Cancelled)?.into_iter().collect()
+}
+
+/// [`fill_layers`] where surfaces were filled before, by [`fill_range`]. The result is the same, bit for bit.
+///
+/// # Arguments
+/// * `filled`: what was made of the surfaces, for each of them or for none. Surfaces of which nothing was made are filled now.
+///
+/// # Errors
+/// [`FillLayersError::Range`] for more of them than surfaces; others as [`fill_layers`].
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::fill::{fill_layers, fill_range, fill_rest};
+/// use curvlay_toolpath::layer::LayerSurface;
+/// use curvlay_toolpath::path::PathOptions;
+/// use std::ops::ControlFlow;
+/// let level = |z| [[0.0, 0.0, z], [16.0, 0.0, z], [16.0, 8.0, z], [0.0, 8.0, z]].map(Point3::from);
+/// let vertices = [level(0.4), level(1.2), level(2.0)];
+/// let surfaces = vertices.each_ref().map(|vertices| LayerSurface {
+///     vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false,
+/// });
+/// let (options, silent) = (PathOptions::default(), |_| ControlFlow::Continue(()));
+/// // On one computer, and on another one.
+/// let mut filled = fill_range(&surfaces, 0..2, &options, &silent)?;
+/// filled.extend(fill_range(&surfaces, 2..3, &options, &silent)?);
+/// assert_eq!(fill_rest(&surfaces, filled, &options, &silent)?, fill_layers(&surfaces, &options, &silent)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fill_rest(
+    surfaces: &[LayerSurface],
+    filled: Vec<Option<FilledLayer>>,
+    options: &PathOptions,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<FilledLayers, FillLayersError> {
+    check_size(surfaces, options)?;
+    let is_solid = options.infill.is_solid();
+    if filled.len() > surfaces.len() {
+        return Err(FillLayersError::Range { range: [0, filled.len()], layers: surfaces.len() });
+    }
+    let is_left = |layer: usize| filled.get(layer).is_none_or(Option::is_none);
+    let Sites { of_layer, stack } = if is_solid {
+        Sites::default()
+    } else {
+        sites(surfaces, is_left, options, progress)?.ok_or(FillLayersError::Cancelled)?
+    };
+    let given: Vec<_> = filled.into_iter().map(Mutex::new).collect();
+    let taken = |layer: usize| given.get(layer).and_then(|given| given.lock().ok()?.take());
+    let fill = |layer: usize, surface: &LayerSurface| {
+        if let Some(filled) = taken(layer) {
+            return Ok(Some(filled));
+        }
+        let fill = || fill_at(surface, options, of_layer.get(layer).and_then(Option::as_ref), progress);
+        let filled = (!surface.triangles.is_empty()).then(fill).transpose();
+        filled.map_err(|error| FillLayersError::of(layer, error))
+    };
+    let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
+    let mut layers: Vec<Option<FilledLayer>> = filled.into_iter().collect::<Result<_, _>>()?;
+    let changed = keep_carriers(&mut layers, surfaces, options.bead)?;
+    judge_again(&mut layers, &changed, surfaces, options, progress)?;
+    layers.iter_mut().flatten().for_each(|layer| layer.solid = None);
+    if let Some(stack) = &stack {
+        mark(&mut layers, surfaces, options.bead, stack);
+    }
+    if layers.iter().flatten().any(|layer| layer.support.is_some()) {
+        mark_support(&mut layers, surfaces, options.bead)?;
+    }
+    let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
+    let reach = layers
+        .iter()
+        .flatten()
+        .map(|layer| layer.reach_mm)
+        .fold(None, |most: Option<f64>, reach| Some(most.map_or(reach, |most| most.max(reach))));
+    if let (true, Some(reach)) = (found.iter().all(Vec::is_empty), reach.filter(|reach| reach.is_finite())) {
+        return Err(FillLayersError::NothingFits { bead: options.bead, widest_mm: 2.0 * reach, fits_mm: reach });
+    }
+    fn curve(bead: &Bead) -> TravelCurve<'_> {
+        TravelCurve { points: &bead.points, closed: bead.closed }
+    }
+    let order =
+        order_curves(&found.iter().map(|beads| beads.iter().map(curve).collect()).collect::<Vec<_>>(), progress)?;
+    for (layer, visits) in layers.iter_mut().zip(&order.layers) {
+        if let Some(FilledLayer { paths: LayerPaths { paths, .. }, .. }) = layer {
+            *paths = visits.iter().map(|visit| paths[visit.curve as usize].travelled(visit)).collect();
+        }
+    }
+    let beads = layers.iter().map(beads).collect();
+    Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+}

@@ -1,0 +1,193 @@
+//! Turns that are too sharp for the way: directions that meet, and cuts where they do not. Steps 7 and 8 of the module above.
+
+use super::{Step, Walker};
+use crate::gouging::GougingOptions;
+use crate::gouging::deepest::Stand;
+use crate::orientation::{TURN_ROUNDING, Waypoint, angle, part_way};
+
+/// Rounds of step 7 for a pair. Most pairs that meet at all do so in the first two.
+const MEETINGS: usize = 4;
+
+/// Turns are limited on each millimetre of a path: neighbours may be so near to each other that hardly any turn is gentle, and slower is
+/// then enough.
+const WINDOW_MM: f64 = 1.0;
+
+/// A cut leaves out no more than is not free, to one of so many parts of the step.
+const ENDS: u8 = 8;
+
+/// Length of the path of a waypoint between two cuts: far below what any machine can tell, so the nozzle is as free.
+const DOT_MM: f64 = 1e-3;
+
+impl Walker<'_> {
+    /// Step 7; whether any two came nearer.
+    pub(super) fn meet(&mut self) -> bool {
+        let mut any = false;
+        let mut cuts = self.cuts();
+        for k in cuts.clone() {
+            let before = self.steps.clone();
+            if self.meet_at(k) {
+                self.follow_around(k);
+            }
+            let now = self.cuts();
+            if now.len() < cuts.len() {
+                (any, cuts) = (true, now);
+            } else {
+                self.steps = before;
+            }
+        }
+        any
+    }
+
+    /// Where the path is to be cut, so that on no millimetre of a piece the nozzle turns by more than the limit: the first waypoints of the
+    /// pieces behind. Of the steps of such a millimetre it is the one that turns most for its length.
+    fn cuts(&self) -> Vec<usize> {
+        let GougingOptions { max_turn, max_turn_per_mm: per_mm, .. } = *self.options;
+        let way = |k: usize| (self.steps[k].waypoint.tip - self.steps[k - 1].waypoint.tip).norm();
+        let excess = |k: usize| self.turn(k - 1, k) - per_mm * way(k);
+        let (mut cuts, mut piece) = (Vec::new(), 0);
+        let mut k = 1;
+        while k < self.steps.len() {
+            let (mut from, mut length) = (k, 0.0);
+            let is_sharp = loop {
+                from -= 1;
+                length += way(from + 1);
+                let limit = per_mm * f64::max(length, WINDOW_MM);
+                let limit = if from + 1 == k { limit.min(max_turn) } else { limit };
+                if self.turn(from, k) > limit + TURN_ROUNDING {
+                    break true;
+                }
+                if from == piece || length >= WINDOW_MM {
+                    break false;
+                }
+            };
+            if is_sharp {
+                let sharpest = (from + 1..=k).max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
+                piece = sharpest.unwrap_or(k);
+                cuts.push(piece);
+                k = piece;
+            }
+            k += 1;
+        }
+        cuts
+    }
+
+    /// Turns a waypoint and the one before to the nearest pair of free directions that is found; whether they are near enough.
+    fn meet_at(&mut self, k: usize) -> bool {
+        for _ in 0..MEETINGS {
+            for (leader, other) in [(k, k - 1), (k - 1, k)] {
+                if self.turn(k - 1, k) <= self.limit(k - 1, k) + TURN_ROUNDING {
+                    return true;
+                }
+                if self.steps[other].is_fixed() {
+                    continue;
+                }
+                let wanted = self.steps[leader].waypoint.direction;
+                self.points.clear();
+                if let Some(direction) = self.least_tilt(other, wanted, self.turn(k - 1, k)) {
+                    self.steps[other].waypoint.direction = direction;
+                }
+            }
+        }
+        self.turn(k - 1, k) <= self.limit(k - 1, k) + TURN_ROUNDING
+    }
+
+    /// Step 2 from a waypoint and the one before to both ends.
+    fn follow_around(&mut self, k: usize) {
+        for k in k + 1..self.steps.len() {
+            self.follow(k - 1, k);
+        }
+        for k in (1..k).rev() {
+            self.follow(k, k - 1);
+        }
+    }
+
+    /// Step 8.
+    pub(super) fn cut(&mut self) {
+        let mut cuts = self.cuts().into_iter().peekable();
+        let old = std::mem::take(&mut self.steps);
+        // A point put between is looked at with what is there at the sample before. Where a piece begins with it, that one's bead lies there too.
+        let (mut is_cut, mut begun) = (false, None);
+        for (k, &step) in old.iter().enumerate() {
+            is_cut |= cuts.next_if_eq(&k).is_some();
+            if is_cut {
+                begun = old[k..].iter().find(|step| !step.waypoint.added).map(|sample| sample.before);
+            }
+            let step = Step { before: begun.filter(|_| step.waypoint.added).unwrap_or(step.before), ..step };
+            begun = begun.filter(|_| step.waypoint.added);
+            if begun.is_some() && !self.scene.is_free(self.stand_of(&step), &step.waypoint.direction, &mut self.stack) {
+                continue;
+            }
+            if !is_cut {
+                self.steps.push(step);
+                continue;
+            }
+            is_cut = false;
+            let last = self.steps[self.steps.len() - 1];
+            let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
+            let [end, start] = self.ends_between(&last, &step);
+            let tip = |between: Option<Step>, other: &Step| between.unwrap_or(*other).waypoint.tip;
+            let gap = (tip(start, &step) - tip(end, &last)).norm();
+            if gap > step.waypoint.width && self.is_way_free(&last, &step) {
+                self.steps.push(Step { sharp: Some(turn), ..step });
+                continue;
+            }
+            let pieces = [end, start.map(|start| Step { cut: Some(turn), ..start })];
+            self.steps.extend(pieces.into_iter().flatten());
+            self.steps.push(Step { cut: start.is_none().then_some(turn), ..step });
+        }
+        self.keep_lone();
+    }
+
+    /// A waypoint between two cuts is no path. It becomes one of [`DOT_MM`], so that what is built where does not change.
+    fn keep_lone(&mut self) {
+        let old = std::mem::take(&mut self.steps);
+        let begins = |k: usize| old.get(k).is_none_or(|step| k == 0 || step.cut.is_some());
+        for (k, &step) in old.iter().enumerate() {
+            if !(begins(k) && begins(k + 1)) {
+                self.steps.push(step);
+                continue;
+            }
+            // Toward the next waypoint; of the last one, from the one before.
+            let onward = k + 1 < old.len();
+            let beside = &old[if onward { k + 1 } else { k.saturating_sub(1) }];
+            let way = (beside.waypoint.tip - step.waypoint.tip).try_normalize(0.0).unwrap_or_default() * DOT_MM;
+            let arc = step.waypoint.arc + if onward { DOT_MM } else { -DOT_MM };
+            let waypoint = Waypoint { tip: step.waypoint.tip + way, arc, added: true, ..step.waypoint };
+            let dot = Step { waypoint, given: None, cut: None, ..step };
+            if onward {
+                self.steps.extend([step, dot]);
+            } else {
+                self.steps.extend([Step { cut: step.cut, ..dot }, Step { cut: None, ..step }]);
+            }
+        }
+    }
+
+    /// Where the piece before a cut may end, standing as it does, and the next one begin, nearer to each other than the two waypoints that they
+    /// end and begin with: at one place, if both are free there.
+    fn ends_between(&mut self, last: &Step, step: &Step) -> [Option<Step>; 2] {
+        // What the piece before has laid is there when the next one begins.
+        let at = |of: &Step, share: f64| {
+            let stand = |step: &Step| Waypoint { direction: of.waypoint.direction, ..step.waypoint };
+            let waypoint = part_way(&stand(last), &stand(step), share)?;
+            Some(Step::new(waypoint, of.before, None))
+        };
+        let shares = (0..=ENDS).map(|k| f64::from(k) / f64::from(ENDS));
+        let end = shares.clone().rev().find_map(|share| {
+            let end = at(last, share).filter(|end| share > 0.0 && self.is_way_free(last, end))?;
+            Some((share, end))
+        });
+        let from = end.map_or(0.0, |(share, _)| share);
+        let start = shares.filter(|&share| (from..1.0).contains(&share));
+        let start = start.filter_map(|share| at(step, share)).find(|start| self.is_way_free(start, step));
+        [end.map(|(_, end)| end), start]
+    }
+
+    /// Whether two waypoints and the way between them are free of what is there at either.
+    fn is_way_free(&mut self, last: &Step, step: &Step) -> bool {
+        let before = last.before.max(step.before);
+        self.gather(last, step, before);
+        let stand = |step: &Step| Stand { tip: step.waypoint.tip, before, allowed: self.options.allowed_depth };
+        let is_free = |step: &Step| self.scene.is_free_of(&self.near, stand(step), &step.waypoint.direction);
+        is_free(last) && is_free(step) && self.is_free_between(&Step { before, ..*last }, step)
+    }
+}

@@ -1,0 +1,363 @@
+//! Where a nozzle is deepest in what has been built.
+//!
+//! A layer is as thick as its spacing `s`: it reaches half of that to both sides of its surface along the normal, and ends
+//! where the surface ends. A nozzle may enter it by a share `a` of `s`, from above, below and from the side. So it must not
+//! touch what is left of the layer if a skin of `a s` is taken off: that is, points of the surface at least `a s` from its
+//! boundary, moved along the normal by up to `(1/2 - a) s`. Looked at are three *sheets* of them: moved up, moved down, and
+//! in place. Normals are those at vertices, so a sheet has no gaps over bent edges.
+//!
+//! The search for the worst point goes down the tree, box by box, and on into triangles, which it halves across their longest
+//! side. A box or piece is passed over if none of its points can be worse than the worst so far: clearance
+//! changes by no more than a point moves. Pieces smaller than [`PIECE`] layers are taken for their middle. So if nothing is
+//! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
+//! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
+//!
+//! Most of the time goes into the tree, so poses on one short way share one walk: it gathers the triangles that some pose may come near, and
+//! each pose looks at these alone. What it finds is the same. A tip goes along the layer, so the flat below it hardly nears what it moves
+//! over: each face of the nozzle is bounded by itself, by how far the tip goes along the axis and across it, and there is
+//! mostly nothing left to look at.
+
+use super::nozzle::{Nozzle, NozzlePart, Sway};
+use super::obstacle::Obstacle;
+use crate::layer::{Keys, LayerStack, Node, Tree, Triangle, Walk};
+use nalgebra::{Point3, UnitVector3, Vector3};
+
+/// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
+/// A quarter layer is allowed, so a fiftieth is little. Less takes longer near contact, more proves less.
+pub(super) const PIECE: f64 = 0.02;
+
+/// A worse point counts if it is worse by this share: the search for a cut need not be exact. With 0.1 it takes a twentieth longer.
+const ROUGH: f64 = 0.4;
+
+/// Where a nozzle is deepest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// What it is in.
+    pub obstacle: Obstacle,
+    /// How deep it is in the layer, as thick as that is, or how far below the plate, in millimetres. Infinite where the
+    /// block reaches down without end.
+    pub depth: f64,
+    /// Thickness of the layer there, in millimetres, or of the [skin](crate::layer::Mould::skin) of the mould; 0 for the plate.
+    pub height: f64,
+    /// Which part of the nozzle is deepest.
+    pub part: NozzlePart,
+    /// Where: a point of the layer less the skin that may be entered, or the lowest point of the nozzle. Where the block reaches
+    /// down without end, a point of its lower edge.
+    pub point: Point3<f64>,
+}
+
+/// What a nozzle must keep clear of.
+pub(crate) struct Scene<'a> {
+    pub tree: &'a Tree,
+    /// Edges of boundaries, which triangles name.
+    pub rims: &'a [[Point3<f64>; 2]],
+    /// When each triangle is built.
+    pub keys: &'a Keys,
+    pub nozzle: &'a Nozzle,
+    /// Nothing may reach nearer to a plate at z = 0 than this; none without a plate.
+    pub plate: Option<f64>,
+}
+
+/// A place of the nozzle's tip, and what is built by then.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stand {
+    pub tip: Point3<f64>,
+    /// Triangles with a key below this are there.
+    pub before: u32,
+    /// How deep the nozzle may be in a layer, as a share of its height.
+    pub allowed: f64,
+}
+
+/// A point that is too near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Worst {
+    pub point: Point3<f64>,
+    /// Clearance less what it must be: below 0.
+    pub lack: f64,
+    /// Thickness of its layer, and which it is.
+    pub height: f64,
+    pub obstacle: Obstacle,
+}
+
+impl Worst {
+    /// How deep the nozzle is in the thickened layer.
+    pub fn depth(&self, allowed: f64) -> f64 {
+        allowed * self.height - self.lack
+    }
+}
+
+impl Stand {
+    /// How far the sheets are from a surface of a layer of this height.
+    fn offset(&self, height: f64) -> f64 {
+        (0.5 - self.allowed).max(0.0) * height
+    }
+
+    /// The clearance that they must keep: none, or less than none where the nozzle may be more than half a layer deep.
+    pub fn clearance(&self, height: f64) -> f64 {
+        (0.5 - self.allowed).min(0.0) * height
+    }
+}
+
+struct Seeker<'a> {
+    nozzle: &'a Nozzle,
+    rims: &'a [[Point3<f64>; 2]],
+    stand: Stand,
+    direction: Vector3<f64>,
+    rough: f64,
+    worst: Option<Worst>,
+    /// No clearance in excess of what is needed from here on is of interest.
+    bound: f64,
+    any: bool,
+}
+
+impl Seeker<'_> {
+    /// Height of a point above the tip, its distance from the axis, and the direction to it from there. On the axis that
+    /// is nowhere: the distance grows whichever way one goes.
+    fn place(&self, p: Point3<f64>) -> (f64, f64, Vector3<f64>) {
+        let v = p - self.stand.tip;
+        let z = v.dot(&self.direction);
+        let across = v - self.direction * z;
+        let rho = across.norm();
+        (z, rho, if rho > 0.0 { across / rho } else { Vector3::zeros() })
+    }
+
+    /// No point of a triangle has less clearance than this.
+    fn least(&self, corners: &[Point3<f64>; 3], sway: &Sway) -> f64 {
+        let middle = centroid(corners);
+        let (z, rho, out) = self.place(middle);
+        let to_corners = corners.map(|corner| corner - middle);
+        self.nozzle.least_over(z, rho, sway, to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]))
+    }
+
+    /// Nor any point of the sheets in a box.
+    fn least_in(&self, node: &Node, sway: &Sway) -> f64 {
+        let (z, rho, out) = self.place(node.middle);
+        let reach = |along: f64, across: f64| node.half.dot(&(self.direction * along + out * across).abs());
+        self.nozzle.least_around(z, rho, sway, reach) - self.stand.offset(node.height)
+    }
+
+    /// The square of the distance of a point of a triangle to the boundary of its layer, as far as it is near.
+    fn to_rim(&self, p: Point3<f64>, triangle: &Triangle) -> f64 {
+        let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
+        let squares = rims.iter().map(|[a, b]| {
+            let along = b - a;
+            let share = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (a + along * share - p).norm_squared()
+        });
+        squares.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Looks for a worse point in a piece of a sheet of a triangle, `offset` from it along the normals; whether to stop.
+    fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
+        let corners = base.map(|(corner, normal)| corner + normal * offset);
+        let needed = self.stand.clearance(triangle.height);
+        let least = self.least(&corners, &Sway::default()) - needed;
+        if least >= self.bound {
+            return false;
+        }
+        let middle = centroid(&corners);
+        let (z, rho, _) = self.place(middle);
+        let lack = self.nozzle.clearance(z, rho) - needed;
+        let reach = |points: &[Point3<f64>; 3], middle: Point3<f64>| {
+            points.iter().map(|point| (point - middle).norm_squared()).fold(0.0, f64::max).sqrt()
+        };
+        let radius = reach(&corners, middle);
+        let (skin, flat) = (self.stand.allowed.min(0.5) * triangle.height, base.map(|(corner, _)| corner));
+        let foot = centroid(&flat);
+        let to_rim = self.to_rim(foot, triangle).sqrt();
+        if to_rim + reach(&flat, foot) < skin {
+            return false;
+        }
+        if lack < self.bound && to_rim >= skin {
+            let (height, obstacle) = (triangle.height, Obstacle::of(triangle));
+            self.worst = Some(Worst { point: middle, lack, height, obstacle });
+            self.bound = lack * (1.0 + self.rough);
+            if self.any {
+                return true;
+            }
+        }
+        if least >= self.bound || radius <= PIECE * triangle.height {
+            return false;
+        }
+        let sides = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).norm_squared());
+        let k = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
+        let [from, to, tip] = [base[k], base[(k + 1) % 3], base[(k + 2) % 3]];
+        let half = (nalgebra::center(&from.0, &to.0), (from.1 + to.1) / 2.0);
+        self.piece([from, half, tip], triangle, offset) || self.piece([half, to, tip], triangle, offset)
+    }
+}
+
+/// A corner of a piece, and the normal there.
+type Corner = (Point3<f64>, Vector3<f64>);
+
+fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
+    Point3::from((a.coords + b.coords + c.coords) / 3.0)
+}
+
+impl Walk for Seeker<'_> {
+    fn bound(&self, node: &Node) -> f64 {
+        self.least_in(node, &Sway::default())
+    }
+
+    fn matters(&self, bound: f64) -> bool {
+        bound < self.bound
+    }
+
+    fn see(&mut self, triangle: &Triangle) -> bool {
+        let offset = self.stand.offset(triangle.height);
+        // Sheets are no farther than that from the triangle.
+        if self.least(&triangle.corners, &Sway::default()) - offset >= self.bound {
+            return false;
+        }
+        let base = [0, 1, 2].map(|k| (triangle.corners[k], triangle.normals[k]));
+        let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
+        sheets.iter().any(|side| self.piece(base, triangle, side * offset))
+    }
+}
+
+/// A seeker whose nozzle moves: what no pose on the way comes near does not matter.
+struct Sweeper<'a> {
+    at: Seeker<'a>,
+    /// How far the tip goes from where it is along the direction and across it, in millimetres, and how far the direction turns, in radians.
+    along: f64,
+    across: f64,
+    turns: f64,
+}
+
+impl Sweeper<'_> {
+    /// How far the nozzle is from where it is, seen from points no farther from its tip than `reach`: a turn moves them by no more than
+    /// their distance from the tip, wherever that is on the way, times the turn.
+    fn sway(&self, reach: f64) -> Sway {
+        let &Sweeper { along, across, turns, .. } = self;
+        Sway { along, across, turned: turns * (reach + along + across) }
+    }
+
+    /// Whether no pose on the way comes near a box.
+    fn clears_box(&self, node: &Node) -> bool {
+        let radius = node.half.norm() + self.at.stand.offset(node.height);
+        let sway = self.sway((node.middle - self.at.stand.tip).norm() + radius);
+        // Most are so far away that a ball around them is clear.
+        let (z, rho, _) = self.at.place(node.middle);
+        let is_far = self.at.nozzle.clearance(z, rho) >= radius + sway.along + sway.across + sway.turned;
+        is_far || self.at.least_in(node, &sway) >= 0.0
+    }
+
+    /// Whether no pose on the way comes near a triangle.
+    fn clears(&self, triangle: &Triangle) -> bool {
+        let offset = self.at.stand.offset(triangle.height);
+        let squares = triangle.corners.map(|corner| (corner - self.at.stand.tip).norm_squared());
+        let reach = squares.into_iter().fold(0.0, f64::max).sqrt() + offset;
+        self.at.least(&triangle.corners, &self.sway(reach)) - offset >= 0.0
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// The triangles of a stack, with these keys.
+    pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
+        Scene { tree: &stack.tree, rims: &stack.rims, keys, nozzle, plate }
+    }
+
+    fn seek(
+        &self,
+        stand: Stand,
+        direction: &UnitVector3<f64>,
+        rough: f64,
+        any: bool,
+        stack: &mut Vec<(f64, u32)>,
+    ) -> Option<Worst> {
+        let mut seeker = self.seeker(stand, direction, rough, any);
+        self.tree.walk(self.keys, stand.before, &mut seeker, stack);
+        seeker.worst
+    }
+
+    fn seeker(&self, stand: Stand, direction: &UnitVector3<f64>, rough: f64, any: bool) -> Seeker<'a> {
+        let direction = direction.into_inner();
+        Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any }
+    }
+
+    /// The triangles that a nozzle may gouge on a way: for [`Scene::is_free_of`].
+    ///
+    /// # Arguments
+    /// * `stand`, `direction`: a pose on the way.
+    /// * `moves`: no pose has its tip farther away than this, along the direction and across it, in millimetres.
+    /// * `turns`: nor another direction by more than this, in radians.
+    pub fn near(
+        &self,
+        stand: Stand,
+        direction: &UnitVector3<f64>,
+        [along, across]: [f64; 2],
+        turns: f64,
+        near: &mut Vec<u32>,
+    ) {
+        let sweeper = Sweeper { at: self.seeker(stand, direction, 0.0, true), along, across, turns };
+        near.clear();
+        let clears = |node: &Node| sweeper.clears_box(node);
+        self.tree.each(self.keys, stand.before, clears, |number, triangle| {
+            if !sweeper.clears(triangle) {
+                near.push(number);
+            }
+        });
+    }
+
+    /// As [`Scene::is_free`], at a pose on a way with no more built and the same allowed, given the triangles near it.
+    pub fn is_free_of(&self, near: &[u32], stand: Stand, direction: &UnitVector3<f64>) -> bool {
+        let mut seeker = self.seeker(stand, direction, 0.0, true);
+        let triangles = self.tree.triangles();
+        let is_there = |t: &&u32| self.keys.of_triangle[**t as usize] < stand.before;
+        self.above_plate(stand, direction) && !near.iter().filter(is_there).any(|&t| seeker.see(&triangles[t as usize]))
+    }
+
+    /// Whether the nozzle keeps off the plate all along a straight way on which its direction turns evenly: nothing in between is lower, or
+    /// leans more than one of the ends, since directions up to a right angle from the upright make a convex cap.
+    pub fn above_plate_along(&self, [from, to]: [(Stand, UnitVector3<f64>); 2]) -> bool {
+        let lower = if from.0.tip.z < to.0.tip.z { from.0 } else { to.0 };
+        let leaning = if from.1.z < to.1.z { from.1 } else { to.1 };
+        self.above_plate(lower, &leaning)
+    }
+
+    /// A point that lacks clearance nearly as much as the worst one.
+    pub fn bad(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Worst> {
+        self.seek(stand, direction, ROUGH, false, stack)
+    }
+
+    /// The point that lacks most clearance.
+    pub fn worst(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Worst> {
+        self.seek(stand, direction, 0.0, false, stack)
+    }
+
+    /// Where the nozzle is deepest, if it is too deep: in a layer or below the plate, whichever is more.
+    pub fn deepest(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> Option<Contact> {
+        let in_layer = self.worst(stand, direction, stack).map(|worst| {
+            let v = worst.point - stand.tip;
+            let z = v.dot(direction);
+            let part = self.nozzle.part(z, (v - direction.into_inner() * z).norm());
+            let (obstacle, depth) = (worst.obstacle, worst.depth(stand.allowed));
+            Contact { obstacle, depth, height: worst.height, part, point: worst.point }
+        });
+        if self.above_plate(stand, direction) {
+            return in_layer;
+        }
+        let (depth, part) = self.nozzle.below_plate(self.over_plate(stand), direction.angle(&Vector3::z_axis()));
+        let point = stand.tip + self.nozzle.lowest(direction, part);
+        let below = Contact { obstacle: Obstacle::Plate, depth, height: 0.0, part, point };
+        Some(in_layer.filter(|contact| contact.depth >= depth).unwrap_or(below))
+    }
+
+    /// Whether the nozzle is nowhere too deep.
+    pub fn is_free(&self, stand: Stand, direction: &UnitVector3<f64>, stack: &mut Vec<(f64, u32)>) -> bool {
+        self.above_plate(stand, direction) && self.seek(stand, direction, 0.0, true, stack).is_none()
+    }
+
+    /// How high the tip is over what nothing may reach below: the plate and the clearance over it, which is at most half the
+    /// height of the tip, since layers may be thin.
+    pub fn over_plate(&self, stand: Stand) -> f64 {
+        let height = stand.tip.z;
+        if height > 0.0 { (height - self.plate.unwrap_or(0.0)).max(height / 2.0) } else { height }
+    }
+
+    /// Whether nothing of the nozzle reaches below the plate, or into the clearance over it.
+    pub fn above_plate(&self, stand: Stand, direction: &UnitVector3<f64>) -> bool {
+        let leans = direction.angle(&Vector3::z_axis());
+        self.plate.is_none() || self.nozzle.plate_lean(self.over_plate(stand)).is_some_and(|lean| leans <= lean + 1e-9)
+    }
+}

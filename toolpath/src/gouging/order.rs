@@ -1,0 +1,254 @@
+//! The order in which the paths of a layer are laid: what its beads would close in comes first.
+//!
+//! In a crease of a layer a waypoint is free as long as the slopes beside it are bare. Curves know nothing of that. So the
+//! piece of a path around a waypoint that only beads of its own layer close in, from the sample before to the one after, is
+//! cut out and laid before all else of the layer: then only earlier layers are there, and of these a tilt frees it. What is
+//! left of the path is laid as before, in two parts or more.
+//!
+//! Laid early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
+//! waypoints are left; then what is left is cut out in turn.
+//!
+//! Only what may have changed is looked at again: the pieces, what is left of their paths, and the paths that were laid before these; for all
+//! that comes later the same is built. When something is left out, only paths with waypoints that were not free.
+//!
+//! Where the nozzle would at last be deeper than a layer, a machine would not scratch it but run into it. Such pieces are
+//! left out. Everything else is as free without them, or freer.
+
+use super::along::{FreedPath, tilted};
+use super::built::{Laid, built, touched};
+use super::deepest::Scene;
+use super::error::GougingError;
+use super::gouge::{Gouge, LeftOut};
+use super::nozzle::Nozzle;
+use super::options::GougingOptions;
+use crate::Progress;
+use crate::layer::LayerStack;
+use crate::orientation::ToolPath;
+use crate::parallel;
+use std::ops::ControlFlow;
+
+/// How often the orders of layers are changed. The third time frees two waypoints more on one model of three, a fourth none.
+const ROUNDS: usize = 3;
+
+/// What paths are freed with.
+pub(super) struct Resolving<'a> {
+    pub stack: &'a LayerStack<'a>,
+    pub nozzle: &'a Nozzle,
+    pub options: &'a GougingOptions,
+    pub progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+}
+
+/// A path in the order of its layer.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    pub laid: Laid,
+    /// Whether it is laid before what is left of the curves of the layer.
+    pub first: bool,
+    pub freed: FreedPath,
+    /// Whether it is still to be set free, or once more.
+    open: bool,
+}
+
+impl Place {
+    fn new(path: ToolPath, first: bool) -> Self {
+        Place { laid: Laid { path, touched: Vec::new() }, first, freed: FreedPath::default(), open: true }
+    }
+}
+
+/// What comes of all paths.
+pub(super) struct Run {
+    pub places: Vec<Place>,
+    /// Waypoints that gouge in the order given.
+    pub gouging_before: usize,
+    pub left_out: Vec<LeftOut>,
+}
+
+/// The paths of a layer in the order in which they are laid.
+type Order = Vec<Place>;
+
+fn left(order: &Order) -> usize {
+    order.iter().map(|place| place.freed.left.len()).sum()
+}
+
+/// Pieces that are cut out of the paths of a layer.
+struct Cut {
+    pieces: Vec<(ToolPath, Gouge)>,
+    /// What is left of the paths.
+    rest: Order,
+    /// So many of these are of the last path that was cut, or come before it.
+    changed: usize,
+}
+
+/// Cuts out the pieces of paths around the waypoints left that are `bad`: these and the rest. Those of a path that touch are
+/// one, with the deepest gouge of all, its waypoint numbered in the piece.
+fn cut(order: &Order, bad: impl Fn(&Place, &Gouge) -> bool) -> Cut {
+    let mut cut = Cut { pieces: Vec::new(), rest: Vec::new(), changed: 0 };
+    for place in order {
+        let (path, first) = (&place.laid.path, place.first);
+        let (mut from, last) = (0, path.waypoints.len() - 1);
+        let part = |from: usize, to: usize| {
+            let closed = path.closed && (from, to) == (0, last);
+            ToolPath { waypoints: path.waypoints[from..=to].to_vec(), closed, ..*path }
+        };
+        let left = place.freed.left.iter().filter(|(_, gouge)| bad(place, gouge));
+        let pieces = pieces(path, left);
+        if pieces.is_empty() {
+            cut.rest.push(place.clone());
+            continue;
+        }
+        for (start, end, gouge) in pieces {
+            if from < start {
+                cut.rest.push(Place::new(part(from, start), first));
+            }
+            cut.pieces.push((part(start, end), Gouge { waypoint: gouge.waypoint - start, ..gouge }));
+            from = end;
+        }
+        if from < last {
+            cut.rest.push(Place::new(part(from, last), first));
+        }
+        cut.changed = cut.rest.len();
+    }
+    cut
+}
+
+/// Pieces around waypoints, from the sample before to the one after: first and last waypoint, and the deepest gouge.
+fn pieces<'a>(path: &ToolPath, around: impl Iterator<Item = &'a (usize, Gouge)>) -> Vec<(usize, usize, Gouge)> {
+    let mut pieces: Vec<(usize, usize, Gouge)> = Vec::new();
+    let (last, is_sample) = (path.waypoints.len() - 1, |k: &usize| !path.waypoints[*k].added);
+    for &(k, gouge) in around {
+        let gouge = Gouge { waypoint: k, ..gouge };
+        let from = (0..k).rev().find(is_sample).unwrap_or(0);
+        let to = (k + 1..last).find(is_sample).unwrap_or(last);
+        match pieces.last_mut() {
+            Some((_, end, worst)) if *end >= from => {
+                *end = to;
+                *worst = if gouge.depth > worst.depth { gouge } else { *worst };
+            }
+            _ => pieces.push((from, to, gouge)),
+        }
+    }
+    pieces
+}
+
+impl Resolving<'_> {
+    /// Sets all paths free.
+    pub fn run(&self, paths: Vec<ToolPath>) -> Result<Run, GougingError> {
+        let mut orders: Vec<Order> = Vec::new();
+        for path in paths {
+            let place = Place::new(path, false);
+            match orders.last_mut() {
+                Some(order) if order[0].laid.path.layer == place.laid.path.layer => order.push(place),
+                _ => orders.push(vec![place]),
+            }
+        }
+        let all: Vec<usize> = (0..orders.len()).collect();
+        self.free(&mut orders, &all)?;
+        let gouging_before = orders.iter().flatten().map(|place| place.freed.gouging_before).sum();
+        if self.options.own_layer && self.options.cut {
+            self.lay_first(&mut orders, all)?;
+        }
+        let left_out = self.leave_out(&mut orders)?;
+        Ok(Run { places: orders.into_iter().flatten().collect(), gouging_before, left_out })
+    }
+
+    /// Changes the orders of layers as long as fewer waypoints are left.
+    fn lay_first(&self, orders: &mut [Order], mut open: Vec<usize>) -> Result<(), GougingError> {
+        for _ in 0..ROUNDS {
+            let mut before = Vec::new();
+            for k in open {
+                let Cut { pieces, mut rest, changed } = cut(&orders[k], |_, gouge| gouge.own_layer);
+                if !pieces.is_empty() {
+                    rest[..changed].iter_mut().for_each(|place| place.open = true);
+                    let mut order: Order = pieces.into_iter().map(|(path, _)| Place::new(path, true)).collect();
+                    order.append(&mut rest);
+                    before.push((k, std::mem::replace(&mut orders[k], order)));
+                }
+            }
+            open = before.iter().map(|&(k, _)| k).collect();
+            if open.is_empty() {
+                break;
+            }
+            self.free(orders, &open)?;
+            for (k, order) in before {
+                if left(&orders[k]) >= left(&order) {
+                    orders[k] = order;
+                    open.retain(|&other| other != k);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes out what is too deep. Each round takes at least one piece, so there is an end.
+    fn leave_out(&self, orders: &mut [Order]) -> Result<Vec<LeftOut>, GougingError> {
+        let mut left_out = Vec::new();
+        loop {
+            let mut open = Vec::new();
+            for (k, order) in orders.iter_mut().enumerate() {
+                let too_deep = |place: &Place, gouge: &Gouge| {
+                    gouge.depth > self.options.max_depth * place.freed.waypoints[gouge.waypoint].height
+                };
+                let Cut { pieces, mut rest, .. } = cut(order, too_deep);
+                if !pieces.is_empty() {
+                    rest.iter_mut().for_each(|place| place.open |= !place.freed.left.is_empty());
+                    left_out.extend(pieces.iter().filter_map(|(piece, gouge)| LeftOut::new(piece, gouge)));
+                    *order = rest;
+                    open.push(k);
+                }
+            }
+            if open.is_empty() {
+                left_out.sort_by(|a: &LeftOut, b: &LeftOut| {
+                    (a.layer, a.curve).cmp(&(b.layer, b.curve)).then(a.arcs[0].total_cmp(&b.arcs[0]))
+                });
+                return Ok(left_out);
+            }
+            self.free(orders, &open)?;
+        }
+    }
+
+    /// Sets the open paths of some layers free. The others count for what is built by then: what comes of them does not
+    /// depend on the orders of other layers.
+    fn free(&self, orders: &mut [Order], which: &[usize]) -> Result<(), GougingError> {
+        let is_open = |&(k, place): &(usize, usize)| orders[k][place].open;
+        let places = |k: usize| (0..orders[k].len()).map(move |place| (k, place)).filter(is_open);
+        let wanted: Vec<(usize, usize)> = which.iter().flat_map(|&k| places(k)).collect();
+        if self.options.own_layer {
+            let work = |_: usize, &(k, place): &(usize, usize)| touched(self.stack, &orders[k][place].laid.path);
+            let found = parallel::map(&wanted, "built", self.progress, work).ok_or(GougingError::Cancelled)?;
+            wanted.iter().zip(found).for_each(|(&(k, place), found)| orders[k][place].laid.touched = found);
+        }
+        let built =
+            built(self.stack, orders.iter().flatten().map(|Place { laid, .. }| (&laid.path, &laid.touched[..])));
+        let starts = starts(orders);
+        let scene = |keys| Scene::new(self.stack, keys, self.nozzle, self.options.over_plate());
+        let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
+        let work = |_: usize, &(k, place): &(usize, usize)| {
+            let path = &orders[k][place].laid.path;
+            let (start, layer) = (starts[k][place], starts[k][0]);
+            let there = tilted(&forward, path, start, self.options, &self.stack.hints);
+            let may_turn = there.left() > 0 && self.options.own_layer && self.options.reverse;
+            let back = may_turn.then(|| there.reversed(&backward, path, start)).flatten();
+            let Some(back) = back else { return there.freed(layer) };
+            let back = back.freed(layer);
+            let last = path.waypoints.len() - 1;
+            let left = back.left.iter().rev().map(|&(k, gouge)| (last - k, gouge)).collect();
+            FreedPath { reversed: true, left, ..back }
+        };
+        let found = parallel::map(&wanted, "gouging", self.progress, work).ok_or(GougingError::Cancelled)?;
+        for (&(k, place), found) in wanted.iter().zip(found) {
+            (orders[k][place].freed, orders[k][place].open) = (found, false);
+        }
+        Ok(())
+    }
+}
+
+/// The number of the first waypoint of each path.
+fn starts(orders: &[Order]) -> Vec<Vec<u32>> {
+    let mut sum = 0;
+    let mut start = |place: &Place| {
+        let start = sum;
+        sum += place.laid.path.waypoints.len() as u32;
+        start
+    };
+    orders.iter().map(|order| order.iter().map(&mut start).collect()).collect()
+}

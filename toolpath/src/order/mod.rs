@@ -1,0 +1,310 @@
+//! In which order the curves of layers are travelled, and from which end, so that the ways in between are short.
+//!
+//! Takes curves layer by layer, as plain points; gives a [`TravelOrder`].
+//!
+//! Layers keep their order: the growth decides it. Within a layer curves may be printed in any order. An open curve has
+//! two *ways* to be travelled, a closed one two for each point at which it may start. Between the end of one and the start of
+//! the next the nozzle travels; the sum of these straight distances is made short. It is a travelling salesman's path, in
+//! blocks: one a layer, entered where the layer before was left.
+//!
+//! * `exact`: for layers of few curves the program of Held and Karp ("A dynamic programming approach to sequencing
+//!   problems", J. SIAM 10(1), 1962) over sets of curves, begun at all ends of the layer before at once. So over a run of such
+//!   layers the sum is the least there is.
+//! * `local`: for layers of many curves nearest neighbours, then parts are turned round (2-opt) or moved elsewhere
+//!   (or-opt) as long as that shortens the way, from where the layer before ends to where the next begins.
+//!
+//! At last each layer is done again between its neighbours, and closed curves start where the detour to them is least. What
+//! is found is never longer than the order given: if it would be, that one is the answer.
+
+mod exact;
+mod local;
+mod travelled;
+
+use crate::Progress;
+use nalgebra::Point3;
+use std::ops::ControlFlow;
+
+/// Starts that are tried first on a closed curve, evenly by number of points.
+const STARTS: usize = 8;
+
+/// Rounds over all layers at the end. One nearly always does: later ones find nothing.
+const ROUNDS: usize = 3;
+
+/// A curve to be travelled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TravelCurve<'a> {
+    /// Its points in order.
+    pub points: &'a [Point3<f64>],
+    /// Whether the last point is joined to the first, which is not repeated: then it may start anywhere.
+    pub closed: bool,
+}
+
+/// How a curve is travelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Visit {
+    /// The curve, by its place in the layer given.
+    pub curve: u32,
+    /// The point at which it starts: 0 for an open curve, or its last one if it is reversed.
+    pub start: u32,
+    /// Whether its points are taken in the opposite order.
+    pub reversed: bool,
+}
+
+/// An order of curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TravelOrder {
+    /// For each layer its curves.
+    pub layers: Vec<Vec<Visit>>,
+    /// Length of all straight ways from curve to curve, in millimetres.
+    pub travel_mm: f64,
+    /// The same for the order given.
+    pub given_mm: f64,
+}
+
+/// Why there is no order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OrderError {
+    /// A curve without points.
+    #[error("curve {curve} of layer {layer} has no points")]
+    NoPoints {
+        /// The layer, from 0.
+        layer: usize,
+        /// The curve, from 0.
+        curve: usize,
+    },
+    /// A point with an invalid coordinate.
+    #[error("point {point} of curve {curve} of layer {layer} is not finite or beyond 1e9 mm")]
+    BadPoint {
+        /// The layer, from 0.
+        layer: usize,
+        /// The curve, from 0.
+        curve: usize,
+        /// The point, from 0.
+        point: usize,
+    },
+    /// More curves or points than can be numbered.
+    #[error("layer {layer} has more than 2^24 curves, or one of more than 2^31 points")]
+    TooLarge {
+        /// The layer, from 0.
+        layer: usize,
+    },
+    /// The callback stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// What asks whether to go on.
+type Watch<'a> = &'a dyn Fn() -> Result<(), OrderError>;
+
+/// One way to travel a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Way {
+    start: Point3<f64>,
+    end: Point3<f64>,
+    visit: Visit,
+}
+
+impl Way {
+    fn new(curve: &TravelCurve, number: u32, start: usize, reversed: bool) -> Way {
+        let last = curve.points.len() - 1;
+        let end = if curve.closed { start } else { last - start };
+        let visit = Visit { curve: number, start: start as u32, reversed };
+        Way { start: curve.points[start], end: curve.points[end], visit }
+    }
+
+    /// The way back.
+    fn back(&self, curve: &TravelCurve) -> Way {
+        let Visit { start, reversed, .. } = self.visit;
+        let start = if curve.closed { start } else { curve.points.len() as u32 - 1 - start };
+        Way { start: self.end, end: self.start, visit: Visit { start, reversed: !reversed, ..self.visit } }
+    }
+}
+
+/// The ways that are tried for a curve, the given one first.
+fn ways(curve: &TravelCurve, number: u32) -> Vec<Way> {
+    let count = curve.points.len();
+    if curve.closed {
+        let starts = count.min(STARTS);
+        return (0..starts).map(|k| Way::new(curve, number, k * count / starts, false)).collect();
+    }
+    let given = Way::new(curve, number, 0, false);
+    if count > 1 { vec![given, given.back(curve)] } else { vec![given] }
+}
+
+/// Length from curve to curve, and to the first one and from the last one where there is somewhere to come from or go to.
+fn length(order: &[Way], from: Option<Point3<f64>>, to: Option<Point3<f64>>) -> f64 {
+    let (Some(first), Some(last)) = (order.first(), order.last()) else {
+        return 0.0;
+    };
+    let inner: f64 = order.windows(2).map(|pair| (pair[1].start - pair[0].end).norm()).sum();
+    inner + gap(from, Some(first.start)) + gap(Some(last.end), to)
+}
+
+fn gap(from: Option<Point3<f64>>, to: Option<Point3<f64>>) -> f64 {
+    from.zip(to).map_or(0.0, |(from, to)| (to - from).norm())
+}
+
+fn total(layers: &[Vec<Way>]) -> f64 {
+    let all: Vec<Way> = layers.iter().flatten().copied().collect();
+    length(&all, None, None)
+}
+
+/// Finds a short order of the curves of each layer, and which way each is travelled.
+///
+/// # Arguments
+/// * `layers`: the curves of each layer in the order given; layers without curves are passed over.
+/// * `progress`: called with the stage `order` and the layers done; may cancel.
+///
+/// # Returns
+/// For each layer every curve once. The sum of the straight ways is the least there is if all curves are open and no
+/// layer has more than ten of them; else it is one that is never above that of the order given.
+///
+/// # Errors
+/// [`OrderError`].
+///
+/// # Cost
+/// A layer of ten open curves takes about a millisecond; one of `n` more some passes of `n^2` steps. The result depends
+/// on nothing but the curves.
+///
+/// # Example
+/// ```
+/// use curvlay_toolpath::nalgebra::Point3;
+/// use curvlay_toolpath::order::{TravelCurve, Visit, order_curves};
+/// // Three parallel lines, 1 mm apart, all from left to right, the middle one last.
+/// let line = |y: f64| [Point3::new(0.0, y, 0.0), Point3::new(9.0, y, 0.0)];
+/// let lines = [line(0.0), line(2.0), line(1.0)];
+/// let curves: Vec<_> = lines.iter().map(|points| TravelCurve { points, closed: false }).collect();
+/// let order = order_curves(&[curves], &|_| std::ops::ControlFlow::Continue(()))?;
+/// assert!((order.given_mm - (85_f64.sqrt() + 82_f64.sqrt())).abs() < 1e-12);
+/// // To and fro.
+/// assert_eq!(order.travel_mm, 2.0);
+/// assert_eq!(order.layers[0][1], Visit { curve: 2, start: 1, reversed: true });
+/// # Ok::<(), curvlay_toolpath::order::OrderError>(())
+/// ```
+pub fn order_curves(
+    layers: &[Vec<TravelCurve>],
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<TravelOrder, OrderError> {
+    let watch = |done: usize| match progress(Progress { stage: "order", done: done as u64, total: layers.len() as u64 })
+    {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(OrderError::Cancelled),
+    };
+    layers.iter().enumerate().try_for_each(|(layer, curves)| check(layer, curves))?;
+    let each = |curves: &Vec<TravelCurve>| -> Vec<Vec<Way>> {
+        (0..).zip(curves).map(|(number, curve)| ways(curve, number)).collect()
+    };
+    let choices: Vec<Vec<Vec<Way>>> = layers.iter().map(each).collect();
+    let given: Vec<Vec<Way>> = choices.iter().map(|layer| layer.iter().map(|ways| ways[0]).collect()).collect();
+    let mut found = forward(&choices, layers, &watch)?;
+    polish(&mut found, &choices, layers, &|| watch(layers.len()))?;
+    let given_mm = total(&given);
+    let best = if total(&found) < given_mm { found } else { given };
+    let travel_mm = total(&best);
+    let visits = |layer: &Vec<Way>| layer.iter().map(|way| way.visit).collect();
+    Ok(TravelOrder { layers: best.iter().map(visits).collect(), travel_mm, given_mm })
+}
+
+/// Layer by layer, keeping the best for each end of a layer as long as layers are small.
+fn forward(
+    choices: &[Vec<Vec<Way>>],
+    layers: &[Vec<TravelCurve>],
+    watch: &dyn Fn(usize) -> Result<(), OrderError>,
+) -> Result<Vec<Vec<Way>>, OrderError> {
+    // For each layer its orders, each with the one of the layer before that it goes on from.
+    let mut orders: Vec<Vec<(Vec<Way>, Option<usize>)>> = Vec::new();
+    // Where the layers so far may end, and how long the way there is.
+    let mut ends: Vec<(f64, Option<Point3<f64>>)> = vec![(0.0, None)];
+    for (done, (choice, curves)) in choices.iter().zip(layers).enumerate() {
+        watch(done)?;
+        let found: Vec<(f64, Vec<Way>, usize)> = if exact::fits(choice) {
+            exact::orders(choice, &ends)
+        } else {
+            let from = (0..ends.len()).fold(0, |best, k| if ends[k].0 < ends[best].0 { k } else { best });
+            let order = local::order(choice, curves, ends[from].1, None, &|| watch(done))?;
+            vec![(ends[from].0 + length(&order, ends[from].1, None), order, from)]
+        };
+        if choice.is_empty() {
+            orders.push((0..ends.len()).map(|k| (Vec::new(), Some(k))).collect());
+            continue;
+        }
+        ends = found.iter().map(|(cost, order, _)| (*cost, order.last().map(|way| way.end))).collect();
+        orders.push(found.into_iter().map(|(_, order, from)| (order, Some(from))).collect());
+    }
+    let mut at = (0..ends.len()).fold(0, |best, k| if ends[k].0 < ends[best].0 { k } else { best });
+    let mut best = Vec::with_capacity(orders.len());
+    for layer in orders.into_iter().rev() {
+        let Some((order, from)) = layer.into_iter().nth(at) else {
+            break;
+        };
+        at = from.unwrap_or(0);
+        best.push(order);
+    }
+    best.reverse();
+    Ok(best)
+}
+
+/// Each layer again, between its neighbours as they are.
+fn polish(
+    layers: &mut [Vec<Way>],
+    choices: &[Vec<Vec<Way>>],
+    curves: &[Vec<TravelCurve>],
+    watch: Watch,
+) -> Result<(), OrderError> {
+    for _ in 0..ROUNDS {
+        let before = total(layers);
+        for k in (0..layers.len()).filter(|&k| !choices[k].is_empty()) {
+            watch()?;
+            let from = layers[..k].iter().rev().find_map(|layer| layer.last()).map(|way| way.end);
+            let to = layers[k + 1..].iter().find_map(|layer| layer.first()).map(|way| way.start);
+            if !exact::fits(&choices[k]) {
+                local::improve(&mut layers[k], &curves[k], from, to, watch)?;
+            }
+            turn_rings(&mut layers[k], &curves[k], from, to);
+        }
+        // Nothing but rounding left to gain.
+        if total(layers) >= before * (1.0 - 1e-9) {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Starts each closed curve where the detour between its neighbours is least.
+fn turn_rings(order: &mut [Way], curves: &[TravelCurve], from: Option<Point3<f64>>, to: Option<Point3<f64>>) {
+    for k in 0..order.len() {
+        let visit = order[k].visit;
+        let curve = &curves[visit.curve as usize];
+        if !curve.closed {
+            continue;
+        }
+        let before = k.checked_sub(1).map_or(from, |k| Some(order[k].end));
+        let behind = order.get(k + 1).map_or(to, |way| Some(way.start));
+        let detour = |p: Point3<f64>| gap(before, Some(p)) + gap(Some(p), behind);
+        let mut best = (detour(order[k].start), visit.start as usize);
+        for (start, &p) in curve.points.iter().enumerate() {
+            let found = detour(p);
+            if found < best.0 {
+                best = (found, start);
+            }
+        }
+        order[k] = Way::new(curve, visit.curve, best.1, visit.reversed);
+    }
+}
+
+fn check(layer: usize, curves: &[TravelCurve]) -> Result<(), OrderError> {
+    if curves.len() > 1 << 24 || curves.iter().any(|curve| curve.points.len() > 1 << 31) {
+        return Err(OrderError::TooLarge { layer });
+    }
+    for (curve, given) in curves.iter().enumerate() {
+        if given.points.is_empty() {
+            return Err(OrderError::NoPoints { layer, curve });
+        }
+        let sound = |p: &Point3<f64>| p.iter().all(|c| c.abs() <= 1e9);
+        if let Some(point) = given.points.iter().position(|p| !sound(p)) {
+            return Err(OrderError::BadPoint { layer, curve, point });
+        }
+    }
+    Ok(())
+}
