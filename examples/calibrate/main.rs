@@ -121,7 +121,7 @@ fn calibrate(
     };
     let options = FitOptions { scope, radian_mm: args.radian_mm, open: args.open, ..FitOptions::default() };
     let arm = if measured.poses.is_empty() {
-        findings.add(Severity::Noted, "there are no measured poses: the arm stays as it is", "", "");
+        findings.add(Severity::Note, "there are no measured poses: the arm stays as it is", "", "");
         None
     } else {
         bars.update("arm", 0, 1);
@@ -138,7 +138,7 @@ fn calibrate(
     };
     let old_tip = Point3::from(model.nozzle.tip_mm);
     let tool = if measured.touches.is_empty() {
-        findings.add(Severity::Noted, "there are no touches: the tip of the nozzle stays where it is", "", "");
+        findings.add(Severity::Note, "there are no touches: the tip of the nozzle stays where it is", "", "");
         None
     } else {
         bars.update("tool", 0, 1);
@@ -147,7 +147,7 @@ fn calibrate(
             let what =
                 "touches are given by the flange as the controller shows it, which does not know the arm as found";
             findings
-                .explain(Severity::Told, what, by_flange.to_string(), "")
+                .explain(Severity::Warning, what, by_flange.to_string(), "")
                 .try_to("give these touches by their joints");
         }
         let flanges: Vec<Isometry3<f64>> = measured.touches.iter().map(|touch| touch.base_flange(&built)).collect();
@@ -160,7 +160,7 @@ fn calibrate(
     };
     if !built.is_closed_form() && !built.is_ur() {
         findings
-            .explain(Severity::Noted, "programs with targets reach the measured places only on a controller that knows the arm as built", "", "")
+            .explain(Severity::Note, "programs with targets reach the measured places only on a controller that knows the arm as built", "", "")
             .cause("a controller with nominal lengths computes its joints from targets; ABB calls one that knows better Absolute Accuracy")
             .try_to("--fit lengths, and its lengths and offsets in the controller");
     }
@@ -205,7 +205,7 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
         let names: Vec<String> = open.parameters.iter().map(ToString::to_string).collect();
         findings
             .explain(
-                Severity::Told,
+                Severity::Warning,
                 "the poses leave a combination of numbers open, which stays as it is",
                 names.join(", "),
                 format!("errors grow {:.0} times", open.amplification),
@@ -222,21 +222,21 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
         .collect();
     if !outliers.is_empty() {
         findings
-            .explain(Severity::Told, "poses are far off the others", outliers.join(", "), "residuals.csv")
+            .explain(Severity::Warning, "poses are far off the others", outliers.join(", "), "residuals.csv")
             .try_to("measure them again, or leave them out");
     }
     match unseen {
         Some((count, unseen)) if unseen.rms_mm() > OVERFITTED * rms => {
             let amount = format!("{:.3} mm at {count} of them, {rms:.3} mm at the others", unseen.rms_mm());
             findings
-                .explain(Severity::Told, "poses that a fit has not seen are met less well", amount, "")
+                .explain(Severity::Warning, "poses that a fit has not seen are met less well", amount, "")
                 .try_to("more poses, spread over the whole reach")
                 .try_to("--fit lengths");
         }
         Some(_) => {}
         None => {
             findings
-                .explain(Severity::Told, "no poses could be held back to try the fit on", "", "")
+                .explain(Severity::Warning, "no poses could be held back to try the fit on", "", "")
                 .try_to("more poses: those that are there are needed to determine the arm");
         }
     }
@@ -257,7 +257,7 @@ fn find_in_tool(args: &Args, tool: &Calibration, findings: &mut Findings) {
     if tool.amplification > POOR_TOUCHES {
         findings
             .explain(
-                Severity::Told,
+                Severity::Warning,
                 "the touches are turned little against each other",
                 format!("an error of touching grows {:.1} times", tool.amplification),
                 "",
@@ -267,7 +267,7 @@ fn find_in_tool(args: &Args, tool: &Calibration, findings: &mut Findings) {
     let off = tool.residuals.iter().enumerate().filter(|(_, off)| **off > OUTLIER * tool.rms);
     for (k, off) in off {
         findings.add(
-            Severity::Told,
+            Severity::Warning,
             "a touch is far off the others",
             format!("number {} by {off:.2} mm", k + 1),
             "residuals.csv",

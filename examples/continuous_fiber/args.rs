@@ -30,7 +30,7 @@ pub struct Args {
     /// Width of a bead in millimetres [default: 1 for each 0.6 of layer height]
     #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     pub bead_mm: Option<f64>,
-    /// Share of the tapes' area that may lie on nothing, and that may stay uncovered
+    /// Maximum share of the tapes' area that is unsupported, and that is uncovered
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share, allow_negative_numbers = true, help_heading = LOAD)]
     pub allow_bare: f64,
     /// Edge of the cells of the part and of the solver in millimetres [default: some 60,000 cells]

@@ -16,7 +16,7 @@ pub const ANGLE_DEG: f64 = 15.0;
 /// Share of the worst-stressed tenth of a layer below which tapes do not reinforce it as they should.
 pub const WORST_COVERED: f64 = 0.8;
 
-/// A prediction that differs by more than this share is told.
+/// Difference of a prediction, as a share, above which it is reported.
 pub const NEAR: f64 = 0.1;
 
 pub fn judge(planned: &Planned, options: &TapeOptions, findings: &mut Findings) {
@@ -31,18 +31,23 @@ pub fn judge(planned: &Planned, options: &TapeOptions, findings: &mut Findings) 
     }
     if let Some(print) = planned.print.as_ref().filter(|print| !print.resolved.left_out.is_empty()) {
         let count = print.resolved.left_out.len();
-        findings.add(Severity::Told, format!("{title}: pieces of thermoplastic are left out"), count.to_string(), "");
+        findings.add(
+            Severity::Warning,
+            format!("{title}: pieces of thermoplastic are left out"),
+            count.to_string(),
+            "",
+        );
     }
 }
 
 pub fn judge_layer(layer: &LoadedLayer, findings: &mut Findings) {
     if let Some(empty) = &layer.plan.empty {
-        findings.add(Severity::Told, format!("no tape lies on {}", layer.name), empty.to_string(), "");
+        findings.add(Severity::Warning, format!("no tape lies on {}", layer.name), empty.to_string(), "");
     }
     let degrees = layer.angle.mean.map(f64::to_degrees);
     if let Some(degrees) = degrees.filter(|degrees| *degrees > ANGLE_DEG) {
         let what = "tapes leave the principal direction over the worst-stressed tenth of the layer";
-        findings.add(Severity::Told, what, format!("{degrees:.1} degrees in the mean"), "--smoothing, --min-radius");
+        findings.add(Severity::Warning, what, format!("{degrees:.1} degrees in the mean"), "--smoothing, --min-radius");
     }
     let covered = layer.angle.covered_fraction;
     if layer.plan.empty.is_none() && covered < WORST_COVERED {
@@ -51,12 +56,12 @@ pub fn judge_layer(layer: &LoadedLayer, findings: &mut Findings) {
             percent(WORST_COVERED),
             layer.name
         );
-        findings.add(Severity::Told, what, percent(covered), "");
+        findings.add(Severity::Warning, what, percent(covered), "");
     }
     let left: f64 = layer.plan.left_out.iter().map(|piece| piece.length_mm).sum();
     if left > 0.0 {
         let amount = format!("{left:.0} mm of {:.0} mm", left + layer.plan.tape_mm());
-        findings.add(Severity::Told, format!("lines without a tape on {}", layer.name), amount, "tapes.csv");
+        findings.add(Severity::Warning, format!("lines without a tape on {}", layer.name), amount, "tapes.csv");
     }
 }
 
@@ -76,7 +81,7 @@ pub fn judge_predictions(predictions: &Predictions, findings: &mut Findings) {
         if (ratio - 1.0).abs() > NEAR {
             let amount = format!("{:.3} / {:.3} {}", prediction.ours, prediction.measured, prediction.unit);
             let what = format!("{}: ours / measured differ; possible reasons: {}", prediction.what, prediction.remark);
-            findings.add(Severity::Noted, what, amount.trim_end(), "");
+            findings.add(Severity::Note, what, amount.trim_end(), "");
         }
     }
 }

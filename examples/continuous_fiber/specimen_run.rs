@@ -74,7 +74,7 @@ pub fn plan(args: &Args, given: &Given, bars: &Bars) -> Result<Run, Failure> {
         judge(planned, &tape_options, &mut findings);
     }
     let amount = format!("{:.1} mm of {} mm", planar.longest_tape_mm, arc.specimen.tape_mm[0]);
-    findings.add(Severity::Noted, "the longest tape for which a planar layer of the arc has room", amount, "");
+    findings.add(Severity::Note, "the longest tape for which a planar layer of the arc has room", amount, "");
     judge_layer(&layer, &mut findings);
     moved.iter().for_each(|moved| judge_motion(moved, &mut findings));
     judge_predictions(&predictions, &mut findings);

@@ -86,7 +86,7 @@ impl Results {
     /// What is wrong with the path, and with the motions on it.
     pub fn findings(&self, args: &Args) -> Findings {
         let mut findings = Findings::default();
-        shortened(self.faults()).into_iter().for_each(|fault| findings.add(Severity::Told, fault, "", ""));
+        shortened(self.faults()).into_iter().for_each(|fault| findings.add(Severity::Warning, fault, "", ""));
         for (name, figures) in self.rows() {
             if !(figures.missed_mm <= MET_MM && figures.missed_rad <= MET_RAD) {
                 let amount = format!("by {:.1e} mm, {:.1e} rad", figures.missed_mm, figures.missed_rad);

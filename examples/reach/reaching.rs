@@ -78,7 +78,7 @@ fn findings(arms: &[Reached], cells: &[Cell]) -> Findings {
         let amount = format!("{} of {} at the best place", arm.waypoints - arm.stood.best.free, arm.waypoints);
         findings
             .explain(
-                Severity::Told,
+                Severity::Warning,
                 format!("{}: waypoints of the part have no free posture", arm.name.title()),
                 amount,
                 "",
@@ -90,7 +90,7 @@ fn findings(arms: &[Reached], cells: &[Cell]) -> Findings {
     for cell in cells {
         // On stdout and in the report a line each: what it would gain, and why it stays.
         let is_best = cell.stood.now.is_none_or(|now| now.free >= cell.stood.best.free);
-        let severity = if is_best { Severity::Noted } else { Severity::Told };
+        let severity = if is_best { Severity::Note } else { Severity::Warning };
         findings.add(severity, cell.name.clone(), cell.stood.verdict().unwrap_or_default(), "");
     }
     findings

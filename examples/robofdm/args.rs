@@ -49,7 +49,7 @@ pub struct Args {
     /// Share of the risky area, sides that lean out over nothing, that may be left: with more the exit status is 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_risky: f64,
-    /// Share of a layer, or of a mean layer of its part if that is larger, that may lie on nothing: if one has more the exit status is 3
+    /// Maximum unsupported share of a layer, or of a mean layer of its part if that is larger; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_unsupported: f64,
     /// Places that are tried for each plane of the sequence

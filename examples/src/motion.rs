@@ -50,7 +50,7 @@ const JERK_RAD_S3: f64 = 1.0;
 /// How far from a stop a ladder's waypoints stay, in radians: splines sway between them.
 const STOP_ROOM: f64 = 0.05;
 
-/// Cells of the tool angle by which least speeds are told: three digits.
+/// Cells of the tool angle for lower bounds on the joint speed: three digits.
 const CELLS: u32 = 8192;
 
 /// A workcell with waypoints before it.
@@ -141,7 +141,7 @@ pub fn bounds_of<const N: usize>(limits: &JointLimits<N>) -> Bounds<N> {
     Bounds { lower, upper, velocity, acceleration, jerk }
 }
 
-/// What the figures of the dissertation are made with, and what is told of them.
+/// What the figures of the dissertation are made with, and what is reported of them.
 pub trait Studied<const N: usize, const F: usize>: Robot<N, F> + PrintRobot<N, F> {
     /// Its waypoints.
     fn path(&self) -> &[Waypoint];

@@ -907,9 +907,9 @@ fn profiles_are_taken_and_options_win() {
     }
 
     for (text, status, words) in [
-        (r#"{"layer_hight_mm": 0.2}"#, 1, "line 1: `layer_hight_mm` is no setting; did you mean `layer_height_mm`?"),
-        ("{\n\"bead_mm\": 0.5,\n\"beads_mm\": 3}", 1, "line 3: `beads_mm` is no setting; did you mean `bead_mm`?"),
-        (r#"{"colour of the machine": 0.2}"#, 1, "there are "),
+        (r#"{"layer_hight_mm": 0.2}"#, 1, "line 1: `layer_hight_mm` is not a setting; did you mean `layer_height_mm`?"),
+        ("{\n\"bead_mm\": 0.5,\n\"beads_mm\": 3}", 1, "line 3: `beads_mm` is not a setting; did you mean `bead_mm`?"),
+        (r#"{"colour of the machine": 0.2}"#, 1, "settings are "),
         (r#"{"bead_mm": -0.5}"#, 1, "`bead_mm` is -0.5: must be above 0"),
         (r#"{"bead_mm": "wide"}"#, 1, "line 1 column"),
         (r#"{"nozzle": [9, 30, 8, 30]}"#, 1, "`nozzle`: "),
@@ -1007,7 +1007,7 @@ fn what_is_missed_is_told_everywhere() {
         assert!(stderr.contains("  accept: --allow-missed 0.25"), "{stderr}");
         let failed = figures["findings_failed"].as_u64().unwrap();
         assert_eq!(
-            (failed > 0, failed + figures["findings_told"].as_u64().unwrap()),
+            (failed > 0, failed + figures["findings_warnings"].as_u64().unwrap()),
             (status == 3, notices.len() as u64)
         );
         assert_eq!(notices.iter().filter(|notice| notice.starts_with("Check failed: ")).count() as u64, failed);
@@ -1016,7 +1016,7 @@ fn what_is_missed_is_told_everywhere() {
             let filled = figures["filled_share"].as_f64().unwrap();
             assert!((filled - figures["extruded_mm3"].as_f64().unwrap() / 1320.0).abs() < 1e-9 && filled < 0.76);
             assert!(stderr.contains("deposited volume is ") && stderr.contains("of what is not missed"));
-            assert!(stderr.contains("the layers do not hold what the part holds"), "{stderr}");
+            assert!(stderr.contains("the volume of the layers differs from that of the part"), "{stderr}");
         }
     }
 }
@@ -1553,7 +1553,7 @@ fn beads_on_nothing_are_told_and_options_decide_the_status() {
     assert!(status == Some(0) && stderr.contains(&format!("warning: {words}")), "{stderr}");
     // Its share stands beside what is said of the checks. What is tried already is no advice.
     let share = summary(&out)["unsupported_share"].as_f64().unwrap();
-    assert!(stderr.contains(&format!("; {:.2} % of the beads' length lies on nothing", 100.0 * share)), "{stderr}");
+    assert!(stderr.contains(&format!("; {:.2} % of the bead length is unsupported", 100.0 * share)), "{stderr}");
     assert!(
         stderr.contains("none failed (order of the cells; surfaces; paths; nozzle, travels and beads)"),
         "{stderr}"
@@ -1623,7 +1623,7 @@ fn the_order_that_prints_best_is_taken() {
     assert_eq!((tried.len(), tried[0]), (3, figures["layers_by_used"].as_str().unwrap()));
     assert!(figures["of_limits"].as_f64().unwrap() > 1.0);
     assert!(
-        stderr.contains("note: layers of --layers-by directed do not pass all checks, distance is tried"),
+        stderr.contains("note: layers of --layers-by directed do not pass all checks: trying distance"),
         "{stderr}"
     );
     assert!(report.contains("no print passes all checks, this one is nearest to it"));
@@ -1664,7 +1664,7 @@ fn beads_that_lie_on_nothing_get_support() {
 
     let (status, stderr, report, held) = prints("held", &[]);
     assert_eq!(status, Some(0), "{stderr}");
-    assert!(stderr.contains("note: too many beads lie on nothing: support is added below them"), "{stderr}");
+    assert!(stderr.contains("note: too many beads are unsupported: adding support below them"), "{stderr}");
     assert!(report.contains("with support below its beads"));
     assert!(number(&held, "unsupported_share") < 0.2 * number(&bare, "unsupported_share"), "{held}");
     // The recess is full, to within a bead of its walls.
@@ -1781,7 +1781,7 @@ fn what_is_not_as_asked_for_is_told() {
 
     let args = ["--cell", "2", "--stage", "motion", "--max-flow", "2", "--program", "none"];
     let findings = block([8.0, 6.0, 4.0], &scratch.path("slow"), &args)["findings"].clone();
-    assert!(findings.as_str().unwrap().contains("told: motions are slowed down"), "{findings}");
+    assert!(findings.as_str().unwrap().contains("warning: motions are slowed down"), "{findings}");
 }
 
 /// A saved field that claims to be thicker than it has cells asks for surfaces without end.
