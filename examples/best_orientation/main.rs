@@ -38,7 +38,7 @@ pub struct Args {
     /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
     #[arg(long)]
     beyond_eps: bool,
-    /// Diameter of the platform in millimetres; one that covers the part is taken if that is larger
+    /// Diameter of the platform in millimetres; a larger one is used if the part does not fit
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
     platform_diameter_mm: f64,
     #[command(flatten)]

@@ -17,19 +17,19 @@ pub struct Args {
     /// Which numbers of the arm are fitted
     #[arg(long, value_name = "WHAT", default_value = "all")]
     pub fit: Fit,
-    /// A radian of a measured angle counts as so many millimetres: the error of positions over that of angles of the device
+    /// Millimetres that a radian of a measured angle counts as: the error of positions divided by that of angles of the device
     #[arg(long = "radian", value_name = "MM", default_value_t = 200.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub radian_mm: f64,
-    /// Amplification of errors from which a number counts as open, and is left as it is
+    /// Amplification of errors above which a number counts as undetermined and keeps its value
     #[arg(long, value_name = "FACTOR", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub open: f64,
-    /// Root mean square of the residuals in millimetres, of the arm and of the tool, above which the exit status is 3
+    /// Maximum root mean square of the residuals of arm and tool, in millimetres; more sets exit status 3
     #[arg(long = "allow-residual", value_name = "MM", default_value_t = 0.5, value_parser = above_zero, allow_negative_numbers = true)]
     pub allow_residual_mm: f64,
-    /// Without a file: poses that are made
+    /// Without a file: number of simulated poses
     #[arg(long = "poses", value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(10..=10_000), conflicts_with = "file", allow_negative_numbers = true)]
     pub poses: u32,
-    /// Without a file: noise of the measured positions in millimetres; that of angles is as much by --radian
+    /// Without a file: noise of the measured positions in millimetres; that of angles follows by --radian
     #[arg(long = "noise", value_name = "MM", default_value_t = 0.02, value_parser = above_zero, conflicts_with = "file", allow_negative_numbers = true)]
     pub noise_mm: f64,
     /// Without a file: seed of the noise and of the errors of the arm

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     #[command(flatten)]
     pub(super) mesh: MeshArgs,
-    /// How far to go
+    /// The last stage to run
     #[arg(long, value_name = "NAME", default_value = "motion")]
     pub stage: Stage,
-    /// Layers of the part that carry tapes, from 1, such as 4,8,12; the last layer carries none, since nothing would cover them
+    /// Layers of the part that carry tapes, from 1, such as 4,8,12; not the last layer, which nothing would cover
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true, conflicts_with = "every", help_heading = LOAD)]
     pub layers: Vec<u32>,
     /// Tapes on every n-th layer instead: n, 2n, 3n, ...
@@ -30,7 +30,7 @@ pub struct Args {
     /// Width of a bead in millimetres [default: 1 for each 0.6 of layer height]
     #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     pub bead_mm: Option<f64>,
-    /// Maximum share of the tapes' area that is unsupported, and that is uncovered
+    /// Maximum unsupported share, and maximum uncovered share, of the tapes' area; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share, allow_negative_numbers = true, help_heading = LOAD)]
     pub allow_bare: f64,
     /// Edge of the cells of the part and of the solver in millimetres [default: some 60,000 cells]
@@ -39,30 +39,31 @@ pub struct Args {
     /// Stresses instead of the solver's: CSV (x, y, z in mm of the file of the part, six components), VTK (.vtk) or results of CalculiX (.frd)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["supports", "loads", "young_gpa", "bearing", "bond_mpa"], help_heading = LOAD)]
     pub stress: Option<PathBuf>,
-    /// How far a sample of that file may be from the layer in millimetres
+    /// Maximum distance of a sample of that file from the layer, in millimetres
     #[arg(long = "reach", value_name = "MM", default_value_t = 10.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     pub reach_mm: f64,
-    /// Box that is held, in mm of the file of the part: its lower and its upper corner; inf for no end. May come more than once
+    /// Box that is fixed, by its lower and its upper corner in mm of the file of the part; inf for no end. May be given more than once
     #[arg(long = "support", value_name = "X,Y,Z,X,Y,Z", value_parser = boxed, allow_hyphen_values = true, help_heading = LOAD)]
     pub supports: Vec<Boxed>,
-    /// Box whose outer faces are loaded, and the force in newtons. May come more than once. Without --support and --load the base is held, and
-    /// the top pushed along x
+    /// Box whose outer faces are loaded, and the force in newtons. May be given more than once. Without --support and --load the base is
+    /// fixed and the top is pushed along x
     #[arg(long = "load", value_name = "X,Y,Z,X,Y,Z:FX,FY,FZ", value_parser = pull, allow_hyphen_values = true, help_heading = LOAD)]
     pub loads: Vec<Pull>,
     /// Young's modulus of the part in GPa [default: 3.5, PLA]; it scales displacements, not stresses
     #[arg(long = "young", value_name = "GPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     pub young_gpa: Option<f64>,
-    /// Share of the tapes' fibre that bears [default: as in the tensile test of the dissertation, with tow that is ironed on dry]
+    /// Share of the tapes' fibre that bears load [default: as in the tensile test of the dissertation, with tow that is ironed on dry]
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true, help_heading = LOAD)]
     pub bearing: Option<f64>,
-    /// What the bond between layers, and between tape and thermoplastic, bears in MPa, in peel and in shear [default: with which the planar arc of the
-    /// dissertation comes apart where it did]
+    /// Strength of the bond between layers, and between tape and thermoplastic, in MPa, in peel and in shear [default: the one with which
+    /// the planar arc of the dissertation fails where it did]
     #[arg(long = "bond", value_name = "MPA", value_parser = above_zero, allow_negative_numbers = true, help_heading = LOAD)]
     pub bond_mpa: Option<f64>,
-    /// Writes growth.csv, directions of growth across the largest stresses for `curved_layers --directions`, and says how much nearer layers come to these
+    /// Writes growth.csv, directions of growth across the largest stresses for `curved_layers --directions`, and reports how much closer
+    /// layers follow them
     #[arg(long, conflicts_with = "stress", help_heading = LOAD)]
     pub follow_load: bool,
-    /// Wires on the loaded layer: a point x,y,z a line in mm of the file of the part, an empty line between two wires
+    /// File of wires on the loaded layer: a point x,y,z a line in mm of the file of the part, an empty line between two wires
     #[arg(long = "wire", value_name = "FILE", help_heading = LOAD)]
     pub wires: Option<PathBuf>,
     /// Width of the tapes on the loaded layer in millimetres
@@ -74,19 +75,19 @@ pub struct Args {
     /// Thickness of all tapes in millimetres
     #[arg(long = "tape-thickness", value_name = "MM", default_value_t = 0.08, value_parser = above_zero, allow_negative_numbers = true, help_heading = TAPES)]
     pub tape_thickness_mm: f64,
-    /// Least steering radius in millimetres
+    /// Minimum steering radius in millimetres
     #[arg(long = "min-radius", value_name = "MM", default_value_t = 50.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = TAPES)]
     pub min_radius_mm: f64,
-    /// Shortest tape, and tape from the blade to the roller, in millimetres
+    /// Minimum length of a tape, and length of tape from the blade to the roller, in millimetres
     #[arg(long = "min-length", value_name = "MM", default_value_t = 20.0, value_parser = above_zero, allow_negative_numbers = true, help_heading = TAPES)]
     pub min_length_mm: f64,
-    /// Share of its width with which a tape may lie on others
+    /// Maximum share of its width by which a tape overlaps others
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, allow_negative_numbers = true, help_heading = TAPES)]
     pub max_overlap: f64,
-    /// Length over which directions are evened out, in millimetres [default: twice the width of the tapes]
+    /// Length over which directions are smoothed, in millimetres [default: twice the width of the tapes]
     #[arg(long = "smoothing", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true, help_heading = TAPES)]
     pub smoothing_mm: Option<f64>,
-    /// Each layer of tape raises the layers above by its thickness; without it by nothing, as in the dissertation
+    /// Raises the layers above each layer of tape by its thickness; the dissertation does not
     #[arg(long, help_heading = TAPES)]
     pub compensate: bool,
     /// Force of the roller in newtons

@@ -9,34 +9,35 @@ use std::path::{Path, PathBuf};
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "dome_drawing")]
 pub struct Args {
-    /// DXF or SVG file with the design, or `design.drawing` as an earlier run saved it, by the ending of its name
+    /// DXF or SVG file with the design, or a saved `design.drawing`, recognised by the ending of its name
     #[arg(value_name = "DRAWING", conflicts_with_all = ["dxf", "svg", "load", "design"])]
     pub file: Option<PathBuf>,
-    /// DXF file with the design, whatever it is called
+    /// DXF file with the design, whatever its name
     #[arg(long, value_name = "FILE", conflicts_with_all = ["svg", "load"])]
     pub dxf: Option<PathBuf>,
-    /// SVG file with the design, whatever it is called
+    /// SVG file with the design, whatever its name
     #[arg(long, value_name = "FILE", conflicts_with = "load")]
     pub svg: Option<PathBuf>,
-    /// File with the design as an earlier run saved it, `design.drawing`
+    /// File with the design that an earlier run saved (`design.drawing`)
     #[arg(long, value_name = "FILE")]
     pub load: Option<PathBuf>,
-    /// The design made in code, without a file
+    /// Built-in design, used without a file
     #[arg(long, default_value = "rosette", conflicts_with_all = ["dxf", "svg", "load"])]
     pub design: Design,
-    /// Unit of the file's coordinates, whatever it says [default: what it says; without, mm for DXF and pixels of --dpi for SVG]
+    /// Unit of the coordinates of the file, instead of the one that it states [default: the stated one; without, mm for DXF and pixels of
+    /// --dpi for SVG]
     #[arg(long, conflicts_with = "load")]
     pub unit: Option<DrawingUnit>,
     /// Pixels per inch of an SVG file: 72 of Adobe Illustrator, 90 of Inkscape before 0.92 [default: 96]
     #[arg(long, value_name = "N", value_parser = dpi, conflicts_with = "unit", allow_negative_numbers = true)]
     pub dpi: Option<f64>,
-    /// Layers to print, as often as there are some [default: all]
+    /// Layer to print; may be given more than once [default: all]
     #[arg(long, value_name = "NAME")]
     pub layer: Vec<String>,
-    /// Scales the design to this diameter in millimetres [default: as it is]
+    /// Diameter to which the design is scaled, in millimetres [default: its own]
     #[arg(long = "diameter", value_name = "MM", value_parser = length, allow_negative_numbers = true)]
     pub diameter_mm: Option<f64>,
-    /// The point of the drawing that comes to the pole of the dome [default: the middle of the design]
+    /// Point of the drawing that lies at the pole of the dome [default: the middle of the design]
     #[arg(long = "centre", value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     pub centre_mm: Option<[f64; 2]>,
     /// Width of a bead in millimetres
@@ -48,66 +49,67 @@ pub struct Args {
     /// Direction of scan lines in degrees
     #[arg(long = "angle", value_name = "DEG", default_value_t = 90.0, value_parser = angle, allow_negative_numbers = true)]
     pub angle_deg: f64,
-    /// Scan lines end at every line, as in the thesis, instead of going on as a zigzag
+    /// Ends each scan line separately, as in the thesis, instead of joining them as a zigzag
     #[arg(long)]
     pub no_zigzag: bool,
-    /// The outermost bead lies on the contour, as in the thesis, instead of half a bead within
+    /// Puts the outermost bead on the contour, as in the thesis, instead of half a bead within it
     #[arg(long)]
     pub on_line: bool,
-    /// What carries the design: dome (the platform of the thesis), sphere (of radius 200 mm), or a mesh file, its middle on the axis
+    /// Surface that carries the design: dome (the platform of the thesis), sphere (of radius 200 mm), or a mesh file with its middle on
+    /// the axis
     #[arg(long, value_name = "NAME|FILE", default_value = "dome")]
     pub surface: String,
-    /// How the design comes onto the surface
+    /// Projection of the design onto the surface
     #[arg(long, default_value = "vertical")]
     pub projection: ProjectionKind,
     /// Diameter of the platform in millimetres
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 300.0, value_parser = length, allow_negative_numbers = true)]
     pub platform_diameter_mm: f64,
-    /// Largest distance of points of the program in millimetres; 0.2 in the thesis
+    /// Maximum distance between points of the program, in millimetres; 0.2 in the thesis
     #[arg(long = "step", value_name = "MM", default_value_t = 1.0, value_parser = step, allow_negative_numbers = true)]
     pub step_mm: f64,
-    /// Ends closer than this are joined, in millimetres
+    /// Maximum distance between ends that are joined, in millimetres
     #[arg(long = "join", value_name = "MM", default_value_t = 0.005, value_parser = join_width, allow_negative_numbers = true)]
     pub join_mm: f64,
-    /// Smaller pieces are left out, in square millimetres; open pieces that are shorter than a bead, too
+    /// Minimum area of a closed piece in square millimetres; smaller ones are left out, as are open pieces shorter than a bead
     #[arg(long = "min-area", value_name = "MM2", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
     pub min_area_mm2: f64,
-    /// Layers of beads
+    /// Number of layers of beads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub layers: u32,
     /// Height of a layer of beads in millimetres
     #[arg(long = "layer-height", value_name = "MM", default_value_t = 1.0, value_parser = length, allow_negative_numbers = true)]
     pub layer_height_mm: f64,
-    /// Added to the height of the nozzle over the surface, in millimetres
+    /// Additional height of the nozzle over the surface, in millimetres
     #[arg(long = "nozzle-height", value_name = "MM", default_value_t = 0.0, value_parser = height, allow_negative_numbers = true)]
     pub nozzle_height_mm: f64,
-    /// Streams the program, once it is checked, to a controller that runs `drawing_link.mod` and `drawing_move.mod`; lines on
-    /// the standard input are `pause`, `resume`, and `height MM`
+    /// Streams the checked program to a controller that runs `drawing_link.mod` and `drawing_move.mod`; standard input accepts `pause`,
+    /// `resume`, and `height MM`
     #[arg(long = "stream", value_name = "HOST:PORT", value_parser = address)]
     pub stream: Option<String>,
-    /// Places of the controller's queue
+    /// Length of the queue of the controller
     #[arg(long = "queue", value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub queue: u32,
-    /// A stream ends after so many connections in a row that fail or bring no progress
+    /// Maximum number of connections in a row that fail or make no progress
     #[arg(long = "stream-tries", value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub stream_tries: u32,
-    /// A stream waits so long for a reply, and before a new connection: twice as long after each that brings no progress, up to 30 s
+    /// Time to wait for a reply, and before a new connection, in seconds; doubles after each connection without progress, up to 30 s
     #[arg(long = "stream-retry", value_name = "S", default_value_t = 1.0, value_parser = retry, allow_negative_numbers = true)]
     pub stream_retry_s: f64,
-    /// A stream turns the extruder backwards for so many milliseconds at the end of each stroke
+    /// Time for which the extruder runs backwards at the end of each stroke, in milliseconds, while streaming
     #[arg(long = "pulse-reverse", value_name = "MS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=60_000))]
     pub pulse_reverse_ms: u32,
     /// JSON file with the rig and the process: arm, home, heights, dome, speeds, turns of the extruder, lift and gap of the fill; each run
     /// writes its own as `setup.json` [default: as in the thesis]
     #[arg(long = "setup", value_name = "FILE")]
     pub setup_file: Option<PathBuf>,
-    /// `plan.json` that an earlier run saved: its program is written and checked again, without the design and without planning
+    /// `plan.json` of an earlier run: its program is written and checked again, without design and planning
     #[arg(long = "plan", value_name = "FILE", conflicts_with_all = DESIGN)]
     pub plan_file: Option<PathBuf>,
     /// What is in it.
     #[arg(skip)]
     pub setup: Setup,
-    /// Most moves of a RAPID module
+    /// Maximum number of moves in a RAPID module
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(1..))]
     pub moves_per_module: u32,
     #[command(flatten)]

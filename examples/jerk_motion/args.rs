@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "jerk_motion")]
 pub struct Args {
-    /// Waypoints instead of the layer made in code: lines of `px py pz nx ny nz`, place in mm and direction of growth
+    /// Waypoints instead of the built-in layer: lines of `px py pz nx ny nz`, place in mm and direction of growth
     #[arg(value_name = "WAYPOINTS", conflicts_with = "waypoints")]
     pub file: Option<PathBuf>,
-    /// The same file by an option
+    /// Waypoints (same as the positional file)
     #[arg(long, value_name = "FILE")]
     pub waypoints: Option<PathBuf>,
-    /// Which axis of the file points up
+    /// Axis of the file that points up
     #[arg(long, default_value = "z", allow_hyphen_values = true)]
     pub up: Up,
     /// Feed in mm/s; without it, a waypoint every 0.1807 s
@@ -27,26 +27,26 @@ pub struct Args {
     /// Rounding of the spiral's crest in millimetres
     #[arg(long = "crest", value_name = "MM", default_value_t = 9.0, value_parser = crest, allow_negative_numbers = true)]
     pub crest_mm: f64,
-    /// Which robots to plan for
+    /// Robots to plan for
     #[arg(long, value_enum, default_value_t = Cells::Both)]
     pub robots: Cells,
-    /// Waypoints in the study of noise, from the first on; 0 leaves it out
+    /// Number of waypoints, from the first, in the study of noise; 0 omits the study
     #[arg(long = "noise", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=20_000))]
     pub noise_count: u32,
-    /// A closed part as built so far, where the waypoints have it; without it, a slab a layer below them
+    /// Closed mesh of the part as built so far, in the frame of the waypoints; without it, a slab one layer below them
     #[arg(long, value_name = "FILE")]
     pub part: Option<PathBuf>,
-    /// Diameter of a ball, the head of a post, that stands where wrist 2 passes in the middle of the path: something to keep clear
-    /// of; 0 for none [default: 50, with waypoints from a file 0]
+    /// Diameter of a ball, the head of a post, that stands where wrist 2 passes in the middle of the path, as an obstacle; 0 for none
+    /// [default: 50; 0 with waypoints from a file]
     #[arg(long = "post", value_name = "MM", value_parser = post, allow_negative_numbers = true)]
     pub post_mm: Option<f64>,
-    /// Postures near the surface, and again on it, that collision indicators are measured with; 0 leaves them out
+    /// Number of postures near the surface, and again on it, that measure the collision indicators; 0 omits them
     #[arg(long = "samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub sample_count: u32,
-    /// Postures that collision indicators learn from
+    /// Number of postures from which collision indicators learn
     #[arg(long = "training", value_name = "N", default_value_t = 3020, value_parser = clap::value_parser!(u32).range(30..=20_000))]
     pub training_count: u32,
-    /// By which share the global filter may pass a limit of jerk: beyond it the exit status is 3
+    /// Maximum share by which the global filter exceeds a limit of jerk; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
     pub allow_jerk: f64,
     #[command(flatten)]

@@ -8,10 +8,10 @@ use curvlay_examples::args::{Common, above_zero};
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "reach")]
 pub struct Args {
-    /// The arm that the plain keys of the summary are about
+    /// Arm that the plain keys of the summary describe
     #[arg(long, value_name = "NAME", default_value = "ur3")]
     pub arm: ArmName,
-    /// Postures that are sampled
+    /// Number of sampled postures
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub samples: u32,
     /// Edge of the box around the nozzle in millimetres
@@ -20,13 +20,14 @@ pub struct Args {
     /// Height of the platform, on which the part stands, over the flange in millimetres
     #[arg(long = "platform", value_name = "MM", default_value_t = 45.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub platform_mm: f64,
-    /// For the dissertation's box: frames must lie this far in front of axis 1 in millimetres, since counting frames knows no collisions
+    /// For the box of the dissertation: minimum distance of frames in front of axis 1, in millimetres, since counting frames ignores
+    /// collisions
     #[arg(long = "front", value_name = "MM", default_value_t = 150.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub front_mm: f64,
-    /// Places that the search begins with are no farther apart than this in millimetres
+    /// Maximum distance between the places with which the search begins, in millimetres
     #[arg(long = "coarse", value_name = "MM", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub coarse_mm: f64,
-    /// Last steps of the search in millimetres
+    /// Final step of the search, in millimetres
     #[arg(long = "fine", value_name = "MM", default_value_t = 12.5, value_parser = above_zero, allow_negative_numbers = true)]
     pub fine_mm: f64,
     #[command(flatten)]

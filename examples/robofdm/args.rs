@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(flatten)]
     pub(super) mesh: MeshArgs,
-    /// How far to go
+    /// The last stage to run
     #[arg(long, value_name = "NAME", default_value = "motion")]
     pub stage: Stage,
     /// Levels of thickness by which the part is segmented [default: chosen by a criterion]
@@ -21,62 +21,63 @@ pub struct Args {
     /// The segment that is printed first, by its number in segments.png, from 0 [default: the best]
     #[arg(long, value_name = "N")]
     pub root: Option<u32>,
-    /// Which way the part stands
+    /// Side on which the part stands
     #[arg(long, value_name = "NAME", default_value = "up")]
     pub base: Base,
-    /// How the parts are found
+    /// Method that divides the part
     #[arg(long, value_name = "NAME", default_value = "auto")]
     pub method: Method,
-    /// Height of the pedestal between the plate and the first part in millimetres, a prism below its first layer that is cut off afterwards, so that
-    /// a tilted head has room; 0 for none [default: none, or where more than --allow-risky is left without one the lowest that makes room]
+    /// Height of the pedestal between the plate and the first part, in millimetres: a prism below its first layer that is cut off
+    /// afterwards and gives room to a tilted head; 0 for none [default: the lowest that makes room where more than --allow-risky is left
+    /// without one, else none]
     #[arg(long = "pedestal", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true)]
     pub pedestal_mm: Option<f64>,
-    /// What keeps the head out of what stands
+    /// How collisions of the head are avoided
     #[arg(long, value_name = "NAME", default_value = "head")]
     pub avoid: Avoid,
-    /// Partial results that the beam search keeps
+    /// Number of partial results that the beam search keeps
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
     pub width: u16,
-    /// Angle from upright by which a side may lean out without support, in degrees
+    /// Maximum overhang of a side without support, from upright, in degrees
     #[arg(long = "angle", value_name = "DEG", default_value_t = 45.0, value_parser = acute, allow_negative_numbers = true)]
     pub angle_deg: f64,
-    /// Most parts
+    /// Maximum number of parts
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
     pub max_parts: u16,
-    /// The least share of the volume that is cut off as a part
+    /// Minimum share of the volume that is cut off as a part
     #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
     pub min_part: f64,
-    /// Share of the risky area, sides that lean out over nothing, that may be left: with more the exit status is 3
+    /// Maximum share of the risky area, the sides that overhang, that may be left; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_risky: f64,
     /// Maximum unsupported share of a layer, or of a mean layer of its part if that is larger; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_unsupported: f64,
-    /// Places that are tried for each plane of the sequence
+    /// Number of trials for each plane of the sequence
     #[arg(long, value_name = "N", default_value_t = TuningOptions::default().perturbations, value_parser = clap::value_parser!(u32).range(..=1000), allow_negative_numbers = true, help_heading = TUNING)]
     pub perturbations: u32,
-    /// How far a plane of the sequence is moved at most, as a share of the diagonal of the part's box
+    /// Maximum shift of a plane of the sequence, as a share of the diagonal of the part's box
     #[arg(long, value_name = "SHARE", default_value_t = TuningOptions::default().max_offset, value_parser = share, allow_negative_numbers = true, help_heading = TUNING)]
     pub max_offset: f64,
-    /// How far it is turned at most, in degrees
+    /// Maximum turn of a plane of the sequence, in degrees
     #[arg(long = "max-turn", value_name = "DEG", default_value_t = 5.0, value_parser = acute, allow_negative_numbers = true, help_heading = TUNING)]
     pub max_turn_deg: f64,
-    /// How many times as large its section may become
+    /// Maximum growth of the section of such a plane, as a factor
     #[arg(long, value_name = "FACTOR", default_value_t = TuningOptions::default().max_section, value_parser = from_one, allow_negative_numbers = true, help_heading = TUNING)]
     pub max_section: f64,
-    /// Of how many parts, the riskiest first, a cut is sought each time
+    /// Number of parts, the riskiest first, that are considered for each cut
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true, help_heading = TUNING)]
     pub candidates: u16,
-    /// Normals of cuts that are tried, over the upper half of the sphere
+    /// Number of normals of cuts to try, over the upper half of the sphere
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true, help_heading = TUNING)]
     pub normals: u16,
-    /// Distance of the cuts that are tried, in millimetres
+    /// Distance between trial cuts, in millimetres
     #[arg(long = "spacing", value_name = "MM", default_value_t = TuningOptions::default().spacing, value_parser = above_zero, allow_negative_numbers = true, help_heading = TUNING)]
     pub spacing_mm: f64,
-    /// How often that distance is halved when no cut is worth it any more; 0 in the paper
+    /// How often that distance is halved once no cut is worthwhile; 0 in the paper
     #[arg(long, value_name = "N", default_value_t = TuningOptions::default().halvings, value_parser = clap::value_parser!(u32).range(..=8), allow_negative_numbers = true, help_heading = TUNING)]
     pub halvings: u32,
-    /// No two base sections intersect: constraint I of the paper to the letter
+    /// Forbids base sections that intersect: constraint I of the paper to the letter
     #[arg(long, help_heading = TUNING)]
     pub keep_sections_apart: bool,
     /// Height of a layer in millimetres
@@ -91,16 +92,16 @@ pub struct Args {
     /// Workcell of the motion, a JSON file; kinematics/docs/workcells.md describes it [default: a UR3 that holds the part under a nozzle]
     #[arg(long, value_name = "FILE")]
     pub workcell: Option<PathBuf>,
-    /// Puts the nozzle of a cell that holds the part where the arm reaches most
+    /// Places the nozzle of a workcell that holds the part where the arm reaches most
     #[arg(long)]
     pub place_nozzle: bool,
-    /// Edge of the cells by which the robot sees the part, in millimetres [default: some 20,000 cells]
+    /// Edge of the cells that represent the part in collision checks, in millimetres [default: some 20,000 cells]
     #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub cell_mm: Option<f64>,
-    /// Direction of the load on the finished part, x,y,z: the angle of each seam to it is written
+    /// Direction of the load on the finished part, x,y,z: the summary has the angle of each seam to it
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub load: Option<Vector3<f64>>,
-    /// Filaments that the parts take in turn
+    /// Number of filaments that the parts use in turn
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
     pub filaments: u32,
     /// Time to change a filament, in seconds
@@ -109,7 +110,7 @@ pub struct Args {
     /// Density of the material in g/cm3
     #[arg(long = "density", value_name = "G_CM3", default_value_t = SeamStrength::default().density_g_cm3, value_parser = from_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
     pub density_g_cm3: f64,
-    /// Force of the nozzle on the part in newtons: from any side, at the farthest place
+    /// Force of the nozzle on the part in newtons, from any side, at the farthest place
     #[arg(long = "print-force", value_name = "N", default_value_t = SeamStrength::default().print_force_n, value_parser = from_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
     pub print_force_n: f64,
     /// Strength of the bond between parts in MPa
@@ -118,10 +119,10 @@ pub struct Args {
     /// Strength of the bond to the plate in MPa
     #[arg(long = "plate-bond", value_name = "MPA", default_value_t = SeamStrength::default().platform_bond_mpa, value_parser = above_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
     pub plate_bond_mpa: f64,
-    /// By which factor the stress in a seam must stay below that
+    /// Safety factor of the stress in a seam
     #[arg(long, value_name = "FACTOR", default_value_t = SeamStrength::default().safety, value_parser = from_one, allow_negative_numbers = true, help_heading = STRENGTH)]
     pub safety: f64,
-    /// Seams of any size, as in the paper
+    /// Accepts seams of any size, as in the paper
     #[arg(long, conflicts_with_all = ["density_g_cm3", "print_force_n", "bond_mpa", "plate_bond_mpa", "safety"], help_heading = STRENGTH)]
     pub any_seam: bool,
     #[command(flatten)]

@@ -11,35 +11,35 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(flatten)]
     pub(super) mesh: MeshArgs,
-    /// Without --mesh: the shape that the plain keys of the summary are about
+    /// Without --mesh: shape that the plain keys of the summary describe
     #[arg(long, value_name = "NAME", default_value = "curved")]
     pub shape: Shape,
     /// Height of a layer in millimetres
     #[arg(long = "layer", value_name = "MM", default_value_t = 3.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub layer_mm: f64,
-    /// Least height of a layer in millimetres, where the section changes [default: all layers are --layer high]
+    /// Minimum height of a layer, where the section changes, in millimetres [default: all layers have the height of --layer]
     #[arg(long = "least-layer", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub least_layer_mm: Option<f64>,
-    /// Slope of a side over the level, in degrees, below which it needs support
+    /// Minimum slope of an unsupported side from level, in degrees
     #[arg(long = "angle", value_name = "DEG", default_value_t = 45.0, value_parser = acute, allow_negative_numbers = true)]
     pub angle_deg: f64,
     /// Diameter of the torch in millimetres
     #[arg(long = "torch", value_name = "MM", default_value_t = 25.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub torch_mm: f64,
-    /// Distance of the torch from what it lays in millimetres
+    /// Distance of the torch from the bead that it deposits, in millimetres
     #[arg(long = "stand-off", value_name = "MM", default_value_t = 15.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub stand_off_mm: f64,
-    /// Holes and features narrower than this are machined later, in millimetres
+    /// Width of holes and features below which they are machined later, in millimetres
     #[arg(long = "feature", value_name = "MM", default_value_t = 0.0, value_parser = feature, allow_negative_numbers = true)]
     pub feature_mm: f64,
-    /// Which way the part is printed first
+    /// Side on which the part is printed first
     #[arg(long, value_name = "NAME", default_value = "up")]
     pub base: Base,
-    /// Share of the layer area that the torch may not reach for what is printed before, or for the plate: with more the exit status is 3
+    /// Maximum share of the layer area that the torch cannot reach because of printed material or the plate; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_blocked: f64,
-    /// Plans tool paths and motion of the torch in the audited layers, and writes RAPID, or URScript for an arm that takes it: of the mesh, or
-    /// of --shape
+    /// Plans tool paths and motion of the torch in the audited layers of the mesh or of --shape, and writes RAPID, or URScript for an arm
+    /// that runs it
     #[arg(long)]
     pub rapid: bool,
     /// Workcell of the motion, a JSON file; its nozzle becomes the torch [default: an IRB 1200 over a table that tilts and turns]
@@ -51,7 +51,7 @@ pub struct Args {
     /// Diameter of the wire in millimetres
     #[arg(long = "wire", value_name = "MM", default_value_t = 1.2, value_parser = above_zero, allow_negative_numbers = true)]
     pub wire_mm: f64,
-    /// The most parts
+    /// Maximum number of parts
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
     pub max_parts: u16,
     #[command(flatten)]
