@@ -21,7 +21,7 @@ pub struct Args {
     /// The segment that is printed first, by its number in segments.png, from 0 [default: the best]
     #[arg(long, value_name = "N")]
     pub root: Option<u32>,
-    /// Side on which the part stands
+    /// First direction of growth
     #[arg(long, value_name = "NAME", default_value = "up")]
     pub base: Base,
     /// Method that divides the part

@@ -32,7 +32,7 @@ pub struct Args {
     /// Width of holes and features below which they are machined later, in millimetres
     #[arg(long = "feature", value_name = "MM", default_value_t = 0.0, value_parser = feature, allow_negative_numbers = true)]
     pub feature_mm: f64,
-    /// Side on which the part is printed first
+    /// First direction of growth
     #[arg(long, value_name = "NAME", default_value = "up")]
     pub base: Base,
     /// Maximum share of the layer area that the torch cannot reach because of printed material or the plate; more sets exit status 3
