@@ -6,7 +6,7 @@
 //! cargo run --release --example curved_layers -- part.stl --layer-height 0.3 --bead 0.5
 //! cargo run --release --example curved_layers -- part.stl --voxels 100000   # for research: layers and beads as the cells
 //! ```
-//! Without a mesh it takes a jug made in code. `--help` lists the options, `docs/formats` the files that it writes.
+//! Without a mesh it takes a jug made in code. `--help` lists the options, the README the files that it writes.
 
 mod args;
 mod choice;

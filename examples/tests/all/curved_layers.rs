@@ -54,7 +54,7 @@ fn summary(folder: &str) -> Value {
 
 /// Whether the pages on formats have every key of the summary and the columns of every table in a folder.
 fn documented(folder: &str) {
-    let keys = common::formats(Some("summary.md")) + &common::formats(Some("profiles.md"));
+    let keys = common::summary_keys();
     for key in summary(folder).as_object().unwrap().keys() {
         assert!(keys.contains(&format!("`{key}`")), "{key}");
     }
