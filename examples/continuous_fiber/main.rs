@@ -22,6 +22,8 @@ mod outputs;
 mod part;
 mod part_motion;
 mod part_outputs;
+mod part_programs;
+mod part_read_back;
 mod planar;
 mod predict;
 mod specimen_run;

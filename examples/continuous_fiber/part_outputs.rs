@@ -2,7 +2,9 @@
 
 use super::layer::Reinforced;
 use super::part::{PartRun, TapedLayer};
-use super::part_motion::{MAX_OFF_MM, PartMotion, TAPE_KIND};
+use super::part_motion::PartMotion;
+use super::part_programs::TAPE_KIND;
+use super::part_read_back::MAX_OFF_MM;
 use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_header, tape_lines};
 use super::{ANGLE_DEG, Args, WORST_COVERED};
 use curvlay_examples::args::Failure;
