@@ -11,7 +11,7 @@ pub const UR3_CELL: &str = include_str!("../../cells/ur3.json");
 /// See [`UR3_CELL`].
 pub const TABLE_CELL: &str = include_str!("../../cells/irb1200-table.json");
 
-/// Points and triangles of a mesh of a link, for [`AnyWorkcell::with_link_meshes`]: a file from a folder on.
+/// Points and triangles of a mesh of a link, for [`AnyWorkcell::with_link_meshes`](workcell::AnyWorkcell::with_link_meshes): a file from a folder on.
 ///
 /// # Errors
 /// What is wrong with the file, in words.
