@@ -64,9 +64,13 @@ class Crate:
         for test, name in declared:
             inner = [folder / f"{name}.rs", folder / name / "mod.rs"]
             inner = [path for path in inner if path.exists()]
-            if not test and inner:
-                self.children[module].add(name)
+            if test:
+                continue
+            self.children[module].add(name)
+            if inner:
                 self.read((*module, name), inner[0], folder / name)
+            else:  # a file elsewhere, by its path
+                self.names[*module, name], self.children[*module, name] = {}, set()
 
     def file_of(self, module, path, seen=()):
         """The module whose file defines what a path means, or None for what is outside of the crate."""

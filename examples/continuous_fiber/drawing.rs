@@ -111,7 +111,7 @@ pub fn stress(layer: &LoadedLayer) -> Vec<u8> {
     let share = |v: u32| layer.principal[v as usize].largest.abs() / largest.max(f64::MIN_POSITIVE);
     let mut scene = Scene::new(camera(layer));
     scene.triangles(triangles.iter().map(|corners| {
-        // The square root, so that low stresses are told apart as well.
+        // The square root, so that low stresses are distinguishable, too.
         let mean = corners.iter().map(|&v| share(v)).sum::<f64>() / 3.0;
         (corners.map(|v| vertices[v as usize]), ramp(mean.sqrt()))
     }));

@@ -44,7 +44,7 @@ const MOUNTS: u32 = 36;
 const MOUNT_TAPES: usize = 12;
 /// How high it must be able to lift off, in millimetres: as planners of ways do where there is room.
 const LIFTED_MM: f64 = 20.0;
-/// How far the contact line may leave the centre line, in millimetres: a tenth of a tape's width is told as overlap.
+/// How far the contact line may leave the centre line, in millimetres: a tenth of a tape's width counts as overlap.
 const TOLERANCE_MM: f64 = 0.1;
 /// Speed with which tape is pushed out, in mm/s: the feed before a tape takes the length from blade to roller.
 const FEED_MM_S: f64 = 20.0;

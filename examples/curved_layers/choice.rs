@@ -7,7 +7,7 @@ use curvlay_examples::table::Table;
 use curvlay_layers::curved;
 use std::time::Duration;
 
-/// How often support is put below beads that lie on nothing, and the order printed again, at most.
+/// How often support is put below unsupported beads, and the order printed again, at most.
 pub const SUPPORT_ROUNDS: usize = 2;
 
 /// The orders that are tried, one after the other: most parts need no other than the first.
@@ -26,7 +26,7 @@ pub struct Choice {
 #[derive(Clone, Debug)]
 pub struct Tried {
     pub layers_by: LayersBy,
-    /// Cells with support since beads lay on nothing above them.
+    /// Cells with support since beads above them were unsupported.
     pub below_beads: usize,
     /// Whether all checks passed.
     pub passed: bool,
@@ -86,7 +86,7 @@ impl Choice {
             "--layers-by",
             "checks",
             "missed",
-            "beads on nothing",
+            "unsupported beads",
             "longest",
             "nozzle collides",
             "left out",
@@ -94,7 +94,7 @@ impl Choice {
             "cut at turns",
             "laid",
             "print time",
-            "computed in",
+            "computing time",
         ]);
         for layers_by in orders() {
             let name = typed_name(layers_by);

@@ -140,7 +140,7 @@ impl Args {
         self.complete.layers_by.unwrap_or(default)
     }
 
-    /// Whether orders are printed to choose among them, or to find out where beads lie on nothing. Ranges of layers, and the run that puts them together, have to agree on
+    /// Whether orders are printed to choose among them, or to find out where beads are unsupported. Ranges of layers, and the run that puts them together, have to agree on
     /// the order before.
     pub fn chooses_by_print(&self) -> bool {
         let is_in_ranges = self.layers.is_some() || !self.merge.is_empty();
@@ -156,7 +156,7 @@ impl Args {
         }
     }
 
-    /// Whether beads of an order that lie on nothing get support: orders by hulls are as the works have them.
+    /// Whether unsupported beads of an order get support: orders by hulls are as the works have them.
     pub fn supports_beads(&self, layers_by: LayersBy) -> bool {
         let (_, support) = self.complete.with_strategy(self.grow.strategy().is_none());
         layers_by != LayersBy::Hull && support == Support::Auto

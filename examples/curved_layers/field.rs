@@ -83,7 +83,7 @@ pub struct FieldRun {
     pub missed_by_hull: Vec<u32>,
     /// Directions that were given, and how far they are followed.
     pub given: Option<GivenDirections>,
-    /// How many cells have support since beads of another try lay on nothing above them.
+    /// How many cells have support since beads of another try above them were unsupported.
     pub below_beads: usize,
     /// The cells that are support, by rising number, and what straight columns would take.
     pub support: Vec<u32>,
@@ -137,7 +137,7 @@ pub struct Given<'a> {
     pub guide: Option<&'a Guide>,
     /// The field, if an earlier run has saved it.
     pub saved: Option<SavedField>,
-    /// Places on the plate where beads of an earlier try lay on nothing.
+    /// Places on the plate where beads of an earlier try were unsupported.
     pub bare: &'a [Point3<f64>],
 }
 

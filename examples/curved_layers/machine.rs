@@ -33,7 +33,7 @@ pub struct MachineRun {
     pub tip_mm: f64,
     /// The maximum print speed that was asked for, in millimetres a second.
     pub max_feed: f64,
-    /// Beads that lie on nothing.
+    /// Unsupported beads.
     pub support: BeadSupport,
     /// Area that beads cover by the thickness of the layer there, if that is measured.
     pub covered_mm3: Option<f64>,

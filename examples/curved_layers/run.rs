@@ -49,7 +49,7 @@ impl Job<'_> {
         Ok(results.findings.outcome())
     }
 
-    /// Field and surfaces of an order, with support where beads lay on nothing.
+    /// Field and surfaces of an order, with support below unsupported beads.
     fn begin(
         &self,
         layers_by: LayersBy,
@@ -66,7 +66,7 @@ impl Job<'_> {
         if let Some(surfaces) = surfaces.as_ref().filter(|_| args.stage >= Stage::Paths) {
             args.path_options(surfaces.height_mm)?;
         }
-        part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Told, why, "", ""));
+        part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Warning, why, "", ""));
         let files = Files::default();
         let mut results =
             Results { field, surfaces, paths: None, machine: None, motion: None, files, findings, choice: None };
@@ -86,10 +86,7 @@ impl Job<'_> {
             if !self.args.common.quiet {
                 self.bars.finish();
                 let names = choice.names().join(" and ");
-                note(format!(
-                    "layers of --layers-by {names} do not pass all checks, {} is tried",
-                    typed_name(layers_by)
-                ));
+                note(format!("layers of --layers-by {names} do not pass all checks: trying {}", typed_name(layers_by)));
             }
             let (results, mut tried) = self.tried(layers_by, findings)?;
             if tried.is_better_than(&choice.taken) {
@@ -108,7 +105,7 @@ impl Job<'_> {
         Ok(best)
     }
 
-    /// Tries an order; where too many of its beads lie on nothing, again with support below them.
+    /// Tries an order; where too many of its beads are unsupported, again with support below them.
     fn tried(&self, layers_by: LayersBy, findings: &Findings) -> Result<(Results, Tried), Failure> {
         let start = Instant::now();
         let (mut best, mut tried) = self.tried_once(layers_by, &[], findings)?;
@@ -119,7 +116,7 @@ impl Job<'_> {
             }
             if !self.args.common.quiet {
                 self.bars.finish();
-                note("too many beads lie on nothing: support is added below them");
+                note("too many beads are unsupported: adding support below them");
             }
             let (results, again) = self.tried_once(layers_by, &bare, findings)?;
             bare.extend(tried::bare_places(&results, self.args));
@@ -229,7 +226,7 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Ends a stage: what is wrong is told, and what it has made is written.
+    /// Ends a stage: reports its findings and writes its files.
     fn end(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
         self.bars.finish();
         results.findings.say();

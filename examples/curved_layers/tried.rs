@@ -7,7 +7,7 @@ use crate::job::Results;
 use nalgebra::Point3;
 use std::time::Duration;
 
-/// Places where beads lie on nothing, if there are more of them than allowed: those of pieces that are too long, or of all longer than a bead is wide where all
+/// Places where beads are unsupported, if there are more of them than allowed: those of pieces that are too long, or of all longer than a bead is wide where all
 /// together are too much.
 pub fn bare_places(results: &Results, args: &Args) -> Vec<Point3<f64>> {
     let (Some(paths), Some(run)) = (&results.paths, &results.machine) else { return Vec::new() };

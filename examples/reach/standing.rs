@@ -1,7 +1,7 @@
 //! Where nozzle, plate or table should stand, with collisions: for an arm on a floor under a hanging nozzle, and for the workcells that we ship.
 
 use super::Args;
-use super::reaching::{ALONG, TOOL_ANGLES, part};
+use super::tried::{ALONG, TOOL_ANGLES, part};
 use curvlay_examples::args::Failure;
 use curvlay_kinematics::nalgebra::{Point3, Vector3};
 use curvlay_kinematics::scene::{Body, Scene, Shape};

@@ -24,21 +24,21 @@ pub fn accept(option: &str, share: f64) -> String {
     format!("{option} {:.decimals$}", (share / digit).ceil() * digit)
 }
 
-/// What a finding does to the exit status.
+/// The effect of a finding on the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// Nothing, and nothing is wrong: what was done to the part, what was taken.
-    Noted,
-    /// Nothing: a warning.
-    Told,
-    /// It becomes 3.
+    /// None, and nothing is wrong: what was done to the part, what was taken.
+    Note,
+    /// None.
+    Warning,
+    /// Sets it to 3.
     Failed,
 }
 
 impl Severity {
     /// Failed if a share is above what is allowed, or is no number.
     pub fn above(share: f64, allowed: f64) -> Self {
-        if share <= allowed { Severity::Told } else { Severity::Failed }
+        if share <= allowed { Severity::Warning } else { Severity::Failed }
     }
 }
 

@@ -78,8 +78,8 @@ impl Findings {
     pub fn say(&mut self) {
         for finding in &self.list[self.said..] {
             let word = match finding.severity {
-                Severity::Noted => "note",
-                Severity::Told => "warning",
+                Severity::Note => "note",
+                Severity::Warning => "warning",
                 Severity::Failed => "check failed",
             };
             say(&format!("{word}: {finding}"));
@@ -90,7 +90,7 @@ impl Findings {
 
     /// A notice for each, failed checks first and unlike warnings; notes are paragraphs behind them.
     pub fn report(&self, report: &mut Report) {
-        for severity in [Severity::Failed, Severity::Told, Severity::Noted] {
+        for severity in [Severity::Failed, Severity::Warning, Severity::Note] {
             self.of(severity).for_each(|finding| _ = report.finding(finding));
         }
     }
@@ -98,11 +98,11 @@ impl Findings {
     /// How many there are of each severity, and all of them: a line each, and under it cause and advice, indented by two spaces.
     ///
     /// # Errors
-    /// [`SummaryError`] if the keys `findings_failed`, `findings_told`, `findings_noted` or `findings` are taken.
+    /// [`SummaryError`] if the keys `findings_failed`, `findings_warnings`, `findings_notes` or `findings` are taken.
     pub fn summary(&self, summary: &mut Summary) -> Result<(), SummaryError> {
         let word = |finding: &Finding| match finding.severity {
-            Severity::Noted => "noted",
-            Severity::Told => "told",
+            Severity::Note => "note",
+            Severity::Warning => "warning",
             Severity::Failed => "failed",
         };
         let lines: Vec<String> = self
@@ -114,8 +114,8 @@ impl Findings {
             .collect();
         summary
             .set("findings_failed", self.of(Severity::Failed).count())?
-            .set("findings_told", self.of(Severity::Told).count())?
-            .set("findings_noted", self.of(Severity::Noted).count())?
+            .set("findings_warnings", self.of(Severity::Warning).count())?
+            .set("findings_notes", self.of(Severity::Note).count())?
             .set("findings", lines.join("\n"))?;
         Ok(())
     }

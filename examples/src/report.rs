@@ -49,8 +49,8 @@ impl Report {
     pub fn finding(&mut self, finding: &Finding) -> &mut Self {
         let (class, word) = match finding.severity {
             Severity::Failed => ("notice failed", "Check failed: "),
-            Severity::Told => ("notice", ""),
-            Severity::Noted => ("noted", "Note: "),
+            Severity::Warning => ("notice", ""),
+            Severity::Note => ("noted", "Note: "),
         };
         let mut html = format!("<div class=\"{class}\" role=\"note\"><p>{}</p>", escaped(&format!("{word}{finding}")));
         for (word, text) in finding.advice() {

@@ -58,7 +58,7 @@ pub fn run(main: impl FnOnce() -> Result<Outcome, Failure>) -> ExitCode {
 /// What clap says, without usage and hints, in one line that begins with `error: `.
 pub fn one_line(error: &clap::Error) -> String {
     let text = error.render().to_string();
-    let told =
+    let lines =
         text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    told.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+    lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }

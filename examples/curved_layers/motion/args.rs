@@ -17,7 +17,7 @@ pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
     #[arg(long, conflicts_with = "workcell")]
     pub cell8: bool,
-    /// Plans the motion in the workcell of a JSON file (docs/formats.md; three are in examples/cells)
+    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells)
     #[arg(long, value_name = "FILE")]
     pub workcell: Option<PathBuf>,
     /// Format of the robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with

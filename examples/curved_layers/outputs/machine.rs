@@ -121,7 +121,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     folder
         .write_with(name, |out| {
             written = write_gcode(run.moves(), options, out);
-            // What is wrong is told below, in words.
+            // The findings below say what is wrong.
             written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
         })
         .or_else(|error| if written.is_ok() { Err(error) } else { Ok(()) })?;

@@ -31,7 +31,7 @@ pub fn write(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failu
         job.folder.write("report.html", report(job, results, &tables, &build)?.to_html())?;
         job.folder.write_list("build.glb", job.args.also.contains(&Extra::Gltf), |out| build.write_glb(out))?;
     }
-    // The summary comes last: what it tells of is there.
+    // The summary comes last, when all files that it describes are there.
     summary(stage, job, results)?.write(job.folder)?;
     if is_last {
         people::table(job, results).print().map_err(failure)?;

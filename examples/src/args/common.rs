@@ -47,6 +47,6 @@ fn cores() -> usize {
 }
 
 fn threads(text: &str) -> Result<usize, String> {
-    let n: usize = text.parse().map_err(|_| "not a whole number".to_owned())?;
+    let n: usize = text.parse().map_err(|_| "not an integer".to_owned())?;
     if (1..=MAX_THREADS).contains(&n) { Ok(n) } else { Err(format!("must be from 1 to {MAX_THREADS}")) }
 }

@@ -53,21 +53,21 @@ pub struct Part {
     pub spacing_mm: Option<f64>,
 }
 
-/// Share of a cell from which on the spacing of single-precision coordinates is told: half of it is how far a corner may
+/// Share of a cell above which the spacing of single-precision coordinates is reported: half of it is how far a corner may
 /// be off, and below some hundredths no cell is another.
 const COARSE: f64 = 0.05;
 
 impl Part {
     /// Adds all that there is to say about the mesh.
     pub fn find(&self, findings: &mut Findings) {
-        self.warnings.iter().for_each(|warning| findings.add(Severity::Told, warning, "", ""));
+        self.warnings.iter().for_each(|warning| findings.add(Severity::Warning, warning, "", ""));
         self.findings.iter().for_each(|finding| findings.push(finding.clone()));
     }
 
     /// The same with its name before each: for one that is not the part itself.
     pub fn find_named(&self, findings: &mut Findings) {
         let named = |what: &str| format!("{}: {what}", self.name);
-        self.warnings.iter().for_each(|warning| findings.add(Severity::Told, named(warning), "", ""));
+        self.warnings.iter().for_each(|warning| findings.add(Severity::Warning, named(warning), "", ""));
         self.findings
             .iter()
             .for_each(|finding| findings.push(Finding { what: named(&finding.what), ..finding.clone() }));

@@ -1,7 +1,7 @@
 //! Which values options may have, for clap.
 
 pub(super) fn count(text: &str) -> Result<u64, String> {
-    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be a whole number from 1 on".to_owned())
+    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be an integer of at least 1".to_owned())
 }
 
 fn number(text: &str) -> Result<f64, String> {

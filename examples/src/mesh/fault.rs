@@ -29,7 +29,7 @@ pub enum MeshFault {
     /// A directory, or another thing that is not a file.
     #[error("is not a file")]
     NotAFile,
-    /// The name does not tell the format.
+    /// The format is not known from the name.
     #[error("the ending of the name must be .stl, .3mf, .obj or .ply")]
     UnknownEnding,
     /// Another kind of file.

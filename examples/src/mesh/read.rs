@@ -28,7 +28,7 @@ impl MeshFile {
     }
 }
 
-/// Reads a mesh; the content tells the format, and where it does not, the ending of the name (any case). Polygons are cut into
+/// Reads a mesh; its content decides the format, otherwise the ending of its name (any case). Polygons are cut into
 /// triangles in their own plane.
 ///
 /// # Errors
@@ -40,7 +40,7 @@ pub fn read_mesh_file(path: &Path) -> Result<MeshFile, MeshError> {
     read(path).map_err(|fault| MeshError { path: path.to_owned(), fault })
 }
 
-/// The mesh of [`read_mesh_file`] alone, for those who tell nobody what was decided.
+/// The mesh of [`read_mesh_file`] without its findings.
 ///
 /// # Errors
 /// As [`read_mesh_file`].
@@ -80,5 +80,5 @@ fn leave_out(mesh: &mut Mesh) -> Result<Option<Finding>, MeshFault> {
     let place = format!("first: triangle {} of the mesh", first + 1);
     let mut numbers = 0..;
     mesh.triangles.retain(|_| numbers.next().is_some_and(|number: u32| useless.binary_search(&number).is_err()));
-    Ok(Some(Finding::new(Severity::Noted, what, amount, place)))
+    Ok(Some(Finding::new(Severity::Note, what, amount, place)))
 }

@@ -147,11 +147,11 @@ impl Printed {
         if !left_out.is_empty() {
             let mm = self.left_out_mm();
             let amount = format!("{} pieces, {mm:.1} mm of {:.0} mm", left_out.len(), self.path_mm() + mm);
-            findings.add(Severity::Told, "the nozzle would be in what is built; left out", amount, "");
+            findings.add(Severity::Warning, "left out: the nozzle would collide with printed material", amount, "");
         }
         let blocked = self.plan.travels.blocked.len();
         if blocked > 0 {
-            findings.add(Severity::Told, "travels are blocked", blocked.to_string(), "");
+            findings.add(Severity::Warning, "travels are blocked", blocked.to_string(), "");
         }
         let Some(moved) = &self.moved else { return };
         let kinds = [FaultKind::Unreachable, FaultKind::Blocked, FaultKind::Break, FaultKind::PathDeviation];
@@ -164,7 +164,7 @@ impl Printed {
         }
     }
 
-    /// Length of what is left out, since the nozzle would be in what is built.
+    /// Length that is left out, since the nozzle would collide with printed material.
     pub fn left_out_mm(&self) -> f64 {
         self.plan.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).fold(0.0, |sum, mm| sum + mm)
     }

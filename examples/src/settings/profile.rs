@@ -42,7 +42,7 @@ impl Profile {
     /// let settings = Profile::from_json(r#"{"layer_height_mm": 0.2, "bead_mm": 0.45}"#)?.settings();
     /// assert_eq!((settings.layer_height_mm, settings.nozzle, settings.max_feed_mm_s), (Some(0.2), None, 40.0));
     /// let error = Profile::from_json(r#"{"layer_hight_mm": 0.2}"#).unwrap_err();
-    /// assert_eq!(error, "line 1: `layer_hight_mm` is no setting; did you mean `layer_height_mm`?");
+    /// assert_eq!(error, "line 1: `layer_hight_mm` is not a setting; did you mean `layer_height_mm`?");
     /// # Ok::<(), String>(())
     /// ```
     pub fn from_json(text: &str) -> Result<Profile, String> {
@@ -121,11 +121,11 @@ fn explained(text: &str, error: &serde_json::Error) -> String {
         let nearest = known.keys().map(|other| (edits(name, other), other)).min()?;
         let hint = match nearest {
             (far, other) if far <= name.chars().count().max(3) / 3 => format!("did you mean `{other}`?"),
-            _ => format!("there are {}", known.keys().map(String::as_str).collect::<Vec<_>>().join(", ")),
+            _ => format!("settings are {}", known.keys().map(String::as_str).collect::<Vec<_>>().join(", ")),
         };
         let line = text.lines().position(|line| line.contains(&format!("\"{name}\"")));
         let place = line.map_or_else(String::new, |line| format!("line {}: ", line + 1));
-        Some(format!("{place}`{name}` is no setting; {hint}"))
+        Some(format!("{place}`{name}` is not a setting; {hint}"))
     };
     unknown().unwrap_or_else(|| error.to_string())
 }

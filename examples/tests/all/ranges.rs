@@ -76,7 +76,7 @@ fn ranges_of_layers_put_together_are_one_run() {
             "even_method",
             "waits",
             "findings",
-            "findings_told",
+            "findings_warnings",
         ];
         assert!(
             of_growth.contains(&key.as_str()) || merged.get(key) == Some(value),

@@ -153,7 +153,7 @@ fn risky_area_that_is_left_is_a_finding() {
     let (path, outcome) = run("risky", &words).unwrap();
     let figures = summary(&path);
     let findings = figures["findings"].as_str().unwrap();
-    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && findings.contains("layers lie on nothing"), "{findings}");
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && findings.contains("layers are unsupported"), "{findings}");
     assert!(figures["hanging_layers"].as_u64() > Some(0) && figures["audit_ok"] == false);
     let share = figures["worst_layer_share"].as_f64().unwrap();
     assert!(share > 0.05 && findings.contains(&accept("--allow-unsupported", share)), "{share}: {findings}");

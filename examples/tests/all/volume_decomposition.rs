@@ -242,10 +242,10 @@ fn a_blocked_torch_is_told_with_its_limit() {
     let share = figures["blocked_share"].as_f64().unwrap();
     assert!(share > 0.05 && matches!(outcome, Outcome::ChecksFailed(_)), "{share}");
     let findings = figures["findings"].as_str().unwrap();
-    assert!(findings.contains("failed: the torch would be in") && findings.contains("--allow-blocked"), "{findings}");
+    assert!(findings.contains("failed: the torch would collide") && findings.contains("--allow-blocked"), "{findings}");
     let (path, outcome) = run("allowed", &[&words[..], &["--allow-blocked", "1"]].concat()).unwrap();
     assert_eq!(outcome, Outcome::Done);
-    assert!(summary(&path)["findings"].as_str().unwrap().contains("told: the torch would be in"));
+    assert!(summary(&path)["findings"].as_str().unwrap().contains("warning: the torch would collide"));
 }
 
 #[test]

@@ -1,147 +1,35 @@
-//! Workcells as the planners of trajectories see them, and the two cells of the dissertation.
+//! The motions of the dissertation: their cells, bounds and figures.
 
-mod home;
-mod parts;
-mod printing;
-pub mod programs;
-pub mod read_back;
-pub mod shown;
-
-pub use home::{NO_HOME, from_home, home};
-pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
-pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
-
-use crate::mesh::read_mesh;
+use super::cells::{TABLE_CELL, UR3_CELL};
+use super::on_cell::{OverTable, PartInHand};
 use curvlay_kinematics::JointLimits;
 use curvlay_kinematics::workcell::{
     self, AnyWorkcell, EightAxisWorkcell, Held, LimitsModel, SixAxisWorkcell, Workcell, WorkcellFileError,
     WorkcellModel,
 };
 use curvlay_trajectory::print::{PrintRobot, Waypoint};
-use curvlay_trajectory::{Bounds, FreeRange, LadderError, MinSpeed, Posture, Robot, min_speed};
+use curvlay_trajectory::{Bounds, LadderError, MinSpeed, Robot, min_speed};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 use std::ops::{ControlFlow, Range};
-use std::path::Path;
 
 /// Seconds from one waypoint to the next where no feed is given: 2,545 of them take 460 s, as in the dissertation.
 pub const STEP_S: f64 = 460.0 / 2545.0;
 
-/// A UR3 that holds the part under a standing nozzle, and an IRB 1200 with the nozzle in its hand over a table that tilts and
-/// turns: workcell files.
-pub const UR3_CELL: &str = include_str!("../cells/ur3.json");
-/// See [`UR3_CELL`].
-pub const TABLE_CELL: &str = include_str!("../cells/irb1200-table.json");
-
-/// Points and triangles of a mesh of a link, for [`AnyWorkcell::with_link_meshes`]: a file from a folder on.
-///
-/// # Errors
-/// What is wrong with the file, in words.
-pub fn link_mesh(folder: &Path, file: &str) -> Result<workcell::LinkMesh, String> {
-    let mesh = read_mesh(&folder.join(file)).map_err(|error| error.to_string())?;
-    Ok((mesh.vertices, mesh.triangles))
-}
-
 /// The bounds at which all figures are made; the arms' own stops stay.
 const SPEED_RAD_S: f64 = 1.0;
+
 const ACCELERATION_RAD_S2: f64 = 5.0;
+
 const JERK_RAD_S3: f64 = 1.0;
 
 /// How far from a stop a ladder's waypoints stay, in radians: splines sway between them.
 const STOP_ROOM: f64 = 0.05;
 
-/// Cells of the tool angle by which least speeds are told: three digits.
+/// Cells of the tool angle for lower bounds on the joint speed: three digits.
 const CELLS: u32 = 8192;
 
-/// A workcell with waypoints before it.
-#[derive(Clone, Debug)]
-pub struct OnCell<W> {
-    cell: W,
-    waypoints: Vec<Waypoint>,
-}
-
-/// A UR3 that holds the part under a nozzle.
-pub type PartInHand = OnCell<SixAxisWorkcell>;
-
-/// An arm with the nozzle in its hand over a table that carries the part: eight axes, the table's last.
-pub type OverTable = OnCell<EightAxisWorkcell>;
-
-impl<W: Clone> OnCell<W> {
-    /// With these waypoints.
-    pub fn new(cell: W, waypoints: Vec<Waypoint>) -> Self {
-        OnCell { cell, waypoints }
-    }
-
-    /// The workcell.
-    pub fn workcell(&self) -> &W {
-        &self.cell
-    }
-
-    /// The same cell with some of the waypoints.
-    pub fn part(&self, waypoints: Range<usize>) -> Self {
-        OnCell { cell: self.cell.clone(), waypoints: self.waypoints[waypoints].to_vec() }
-    }
-}
-
-/// A waypoint as kinematics have it.
-fn of(waypoint: &Waypoint) -> curvlay_kinematics::Waypoint {
-    curvlay_kinematics::Waypoint { position: waypoint.position, axis: waypoint.axis }
-}
-
-fn ranges<const F: usize>(free: [workcell::FreeRange; F]) -> [FreeRange; F] {
-    free.map(|range| match range {
-        workcell::FreeRange::Turn => FreeRange::Turn,
-        workcell::FreeRange::Within(min, max) => FreeRange::Within(min, max),
-    })
-}
-
-impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintRobot<N, F> for OnCell<W> {
-    fn free(&self) -> [FreeRange; F] {
-        ranges(self.cell.free())
-    }
-
-    fn solutions(&self, waypoint: &Waypoint, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
-        self.cell.solutions(&of(waypoint), free, each);
-    }
-
-    fn posture(&self, waypoint: &Waypoint, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
-        self.cell.following(&of(waypoint), free, branch).map(|(joints, rates)| Posture { joints, rates })
-    }
-
-    fn nozzle(&self, joints: &[f64; N]) -> Option<Isometry3<f64>> {
-        self.cell.nozzle_on_part(joints)
-    }
-
-    fn continued(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, near: &[f64; N]) -> Option<[f64; N]> {
-        self.cell.continuing(&of(waypoint), free, turn, near)
-    }
-}
-
-impl<const N: usize, const F: usize, W: Workcell<N, F>> Robot<N, F> for OnCell<W> {
-    fn waypoints(&self) -> usize {
-        self.waypoints.len()
-    }
-
-    fn free(&self) -> [FreeRange; F] {
-        PrintRobot::free(self)
-    }
-
-    fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
-        PrintRobot::solutions(self, &self.waypoints[waypoint], free, each);
-    }
-
-    fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
-        PrintRobot::posture(self, &self.waypoints[waypoint], free, branch)
-    }
-}
-
-/// The limits of a cell as planners take them.
-pub fn bounds_of<const N: usize>(limits: &JointLimits<N>) -> Bounds<N> {
-    let JointLimits { lower, upper, velocity, acceleration, jerk } = *limits;
-    Bounds { lower, upper, velocity, acceleration, jerk }
-}
-
-/// What the figures of the dissertation are made with, and what is told of them.
+/// What the figures of the dissertation are made with, and what is reported of them.
 pub trait Studied<const N: usize, const F: usize>: Robot<N, F> + PrintRobot<N, F> {
     /// Its waypoints.
     fn path(&self) -> &[Waypoint];
@@ -169,11 +57,11 @@ pub trait Studied<const N: usize, const F: usize>: Robot<N, F> + PrintRobot<N, F
 
 impl Studied<6, 1> for PartInHand {
     fn path(&self) -> &[Waypoint] {
-        &self.waypoints
+        self.all()
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<6> {
-        of_figures(self.cell.limits(), makers_speeds)
+        of_figures(self.workcell().limits(), makers_speeds)
     }
 
     fn min_speed(
@@ -188,11 +76,11 @@ impl Studied<6, 1> for PartInHand {
 
 impl Studied<8, 2> for OverTable {
     fn path(&self) -> &[Waypoint] {
-        &self.waypoints
+        self.all()
     }
 
     fn bounds(&self, makers_speeds: bool) -> Bounds<8> {
-        of_figures(self.cell.limits(), makers_speeds)
+        of_figures(self.workcell().limits(), makers_speeds)
     }
 
     fn min_speed(&self, _: &[f64], _: &Bounds<8>, _: Range<usize>) -> Result<Option<MinSpeed>, LadderError> {
@@ -209,6 +97,7 @@ fn of_figures<const N: usize>(limits: &JointLimits<N>, makers_speeds: bool) -> B
 /// Where the part is at the flange and where the tip stands in the cell of the UR3 for which all figures are made, in millimetres. Prints
 /// keep the part farther from the wrist ([`UR3_CELL`]), since the bodies of the links need room.
 const STUDIED_PART_MM: [f64; 3] = [0.0, 0.0, 45.0];
+
 const STUDIED_TIP_MM: [f64; 3] = [300.0, 60.0, 220.0];
 
 /// The two cells of the dissertation, with the makers' stops, as all figures of its motions are made.
