@@ -19,6 +19,7 @@ pub mod elastic;
 mod parallel;
 pub mod planar;
 mod progress;
+mod sparse;
 pub mod trim;
 mod union_find;
 

@@ -11,7 +11,7 @@ use super::nodes::Points;
 use super::operator::{Operator, Triple};
 use super::transfer::Transfer;
 use crate::parallel::{fill, sum, update};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use crate::sparse::{Entries, Factors};
 
 /// Degree of the smoother: steps before and after each visit of the coarser levels. One step needs more iterations than it saves; three
 /// save fewer than they cost.
@@ -24,7 +24,7 @@ const SMOOTHED: f64 = 0.15;
 const POWER_STEPS: usize = 12;
 const POWER_MARGIN: f64 = 1.1;
 
-/// At most so many nodes are left to the dense factor: its cost grows with their cube, some tens of milliseconds for these.
+/// At most so many nodes are left to the factors: a cycle solves with them once, in less time than it smooths the level above.
 const COARSEST: usize = 200;
 
 /// The levels, and what each of them works with.
@@ -166,33 +166,31 @@ fn largest_eigenvalue(operator: &Operator, fixed: &[u8]) -> f64 {
 #[derive(Debug)]
 struct Coarsest {
     operator: Operator,
-    factor: Option<Cholesky<f64, Dyn>>,
+    factors: Option<Factors>,
 }
 
 impl Coarsest {
     fn new(operator: Operator, fixed: &[u8]) -> Self {
         let len = 3 * operator.len();
-        let mut matrix = DMatrix::zeros(len, len);
+        let (mut matrix, mut diagonal) = (Entries::default(), vec![0.0; len]);
         let is_free = |row: usize| fixed.get(row / 3).is_none_or(|bits| bits >> (row % 3) & 1 == 0);
-        operator
-            .entries()
-            .filter(|&(i, j, _)| is_free(i) && is_free(j))
-            .for_each(|(i, j, value)| matrix[(i, j)] += value);
-        for k in 0..len {
-            // Fixed, or a component that moves nothing but what is fixed.
-            if matrix[(k, k)] <= 0.0 {
-                matrix[(k, k)] = 1.0;
-            }
+        // Both halves are given; the factors take the lower one.
+        for (i, j, value) in operator.entries().filter(|&(i, j, _)| i >= j && is_free(i) && is_free(j)) {
+            matrix.add(i, j, value);
+            diagonal[i] += if i == j { value } else { 0.0 };
         }
-        Coarsest { operator, factor: Cholesky::new(matrix) }
+        // Fixed, or a component that moves nothing but what is fixed.
+        (0..len).filter(|&k| diagonal[k] <= 0.0).for_each(|k| matrix.add(k, k, 1.0 - diagonal[k]));
+        Coarsest { factors: Factors::new(len, &matrix), operator }
     }
 
     fn solve(&self, b: &[Triple], x: &mut Vec<Triple>) {
         x.clear();
-        match &self.factor {
-            Some(factor) => {
-                let solved = factor.solve(&DVector::from_iterator(3 * b.len(), b.iter().flatten().copied()));
-                x.extend(solved.as_slice().chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+        match &self.factors {
+            Some(factors) => {
+                let mut solved: Vec<f64> = b.iter().flatten().copied().collect();
+                factors.solve(&mut solved);
+                x.extend(solved.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
             }
             // Rounding made it indefinite: the diagonal alone still helps.
             None => x.extend((0..b.len()).map(|node| scaled(self.operator.inverse(node), b[node], 1.0))),

@@ -22,6 +22,7 @@ use crate::cells::{Cells, LayerOrder};
 use crate::{Progress, ProgressFn};
 use body::Body;
 use depth::{Depths, Question};
+use nalgebra::Vector3;
 use nozzle::{Meets, Obstructions};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
@@ -350,119 +351,168 @@ fn audit_any(
             return Err(NozzleRuleError::Cell { cell_mm: judged.cell_mm }.into());
         }
     }
-    let question = Question::of(rules, platform)?;
     let len = cells.dims().iter().product::<u32>();
     if let Some(&cell) = order.cells().iter().chain(missed).find(|&&cell| cell >= len) {
         return Err(AuditError::OutsideGrid { cell, len });
     }
-    let mut report = AuditReport {
-        cells: cells.count(),
-        layers: order.len(),
-        in_layers: order.cells().len(),
-        missed: missed.len(),
-        ..AuditReport::default()
-    };
-
-    let support = supporters(rules.neighbours);
-    let corners = platform.corners();
-    let mut listed = Bits::of(cells); // in this layer or an earlier one
-    let mut built = Bits::of(cells); // in an earlier layer
-    let mut body = Body::new(cells.dims(), corners, platform.top());
-    let mut obstructions =
-        judged.filter(|judged| !judged.cells.is_empty()).map(|judged| Obstructions::new(judged, platform.top()));
-    // A mould is there before the first layer.
-    if let Some(mould) = platform.mould() {
-        let mut cells: Vec<(u32, [u32; 3])> = mould.iter().map(|cell| (cell, mould.position(cell))).collect();
-        // Those that are asked about together lie together.
-        cells.sort_by_key(|(_, place)| place.map(|k| k / TOGETHER));
-        for (cell, place) in cells {
-            built.insert(place);
-            body.add(place);
-            obstructions.iter_mut().for_each(|obstructions| obstructions.add(cell, place));
-        }
-        body.settle();
-    }
-    let mut depths = Depths::new(question, &body);
-    let mut directions = BTreeMap::new();
-    for printed in judged.iter().flat_map(|judged| judged.cells) {
-        if directions.insert(printed.cell, printed.direction.into_inner()).is_some() {
-            report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell: printed.cell });
-        }
-    }
+    let mut audit = Audit::new(cells, platform, rules, judged)?;
+    audit.report.layers = order.len();
+    audit.report.in_layers = order.cells().len();
+    audit.report.missed = missed.len();
     let total = order.cells().len() as u64;
     let mut done = 0;
     for (layer, of_layer) in (1..).zip(order.iter()) {
         if of_layer.is_empty() {
-            report.add(|counts| &mut counts.empty_layers, || Fault::EmptyLayer { layer });
+            audit.report.add(|counts| &mut counts.empty_layers, || Fault::EmptyLayer { layer });
         }
         for &cell in of_layer {
             if done % CELLS_PER_REPORT == 0 && progress(Progress { stage: "audit", done, total }).is_break() {
                 return Err(AuditError::Cancelled);
             }
             done += 1;
-            let place = cells.position(cell);
-            if !cells.contains(place) {
-                report.add(|counts| &mut counts.not_solid, || Fault::NotSolid { cell, layer });
-                continue;
+            audit.judge(cell, layer);
+        }
+        audit.end_layer(of_layer);
+    }
+    audit.judge_missed(missed);
+    let _ = progress(Progress { stage: "audit", done, total }); // too late to stop
+    Ok(audit.report)
+}
+
+/// An audit under way: what is built so far, and what was found.
+struct Audit<'a> {
+    cells: &'a Cells<'a>,
+    rules: &'a Rules,
+    corners: &'a [[i32; 2]],
+    support: Vec<[i64; 3]>,
+    /// Cells in this layer or an earlier one.
+    listed: Bits,
+    /// Cells in an earlier layer, and those of the mould.
+    built: Bits,
+    body: Body,
+    depths: Depths,
+    /// What is built as the nozzle meets it; `None` if it judges no cell.
+    obstructions: Option<Obstructions>,
+    /// Directions of the nozzle at cells that are still to come.
+    directions: BTreeMap<u32, Vector3<f64>>,
+    report: AuditReport,
+}
+
+impl<'a> Audit<'a> {
+    /// Before the first layer. A mould is there by then.
+    fn new(
+        cells: &'a Cells<'a>,
+        platform: &'a Platform,
+        rules: &'a Rules,
+        judged: Option<&'a JudgedByNozzle>,
+    ) -> Result<Self, AuditError> {
+        let question = Question::of(rules, platform)?;
+        let mut built = Bits::of(cells);
+        let mut body = Body::new(cells.dims(), platform.corners(), platform.top());
+        let mut obstructions =
+            judged.filter(|judged| !judged.cells.is_empty()).map(|judged| Obstructions::new(judged, platform.top()));
+        if let Some(mould) = platform.mould() {
+            let mut cells: Vec<(u32, [u32; 3])> = mould.iter().map(|cell| (cell, mould.position(cell))).collect();
+            // Those that are asked about together lie together.
+            cells.sort_by_key(|(_, place)| place.map(|k| k / TOGETHER));
+            for (cell, place) in cells {
+                built.insert(place);
+                body.add(place);
+                obstructions.iter_mut().for_each(|obstructions| obstructions.add(cell, place));
             }
-            if !listed.insert(place) {
-                report.add(|counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
-                continue;
-            }
-            if !stands_on(corners, place, rules.flat) && !support.iter().any(|&step| built.contains_at(place, step)) {
-                report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
-            }
-            if let (Some(direction), Some(obstructions)) = (directions.remove(&cell), &obstructions) {
-                if let Some(meets) = obstructions.met(place, direction) {
-                    report.add(
-                        |counts| &mut counts.nozzle,
-                        || match meets {
-                            Meets::Cell(other) => Fault::NozzleMeets { cell, layer, other },
-                            Meets::Plate => Fault::NozzleMeetsPlate { cell, layer },
-                            Meets::Limit => Fault::NozzleLeans { cell, layer },
-                        },
-                    );
-                }
-                continue;
-            }
-            let centre = place.map(|k| 2 * i64::from(k) + 1);
-            if depths.is_inside(&body, centre) {
-                report.add(
-                    |counts| &mut counts.inside,
-                    || Fault::Inside { cell, layer, depth: depths.depth(&body, centre) },
-                );
+            body.settle();
+        }
+        let mut report = AuditReport { cells: cells.count(), ..AuditReport::default() };
+        let mut directions = BTreeMap::new();
+        for printed in judged.iter().flat_map(|judged| judged.cells) {
+            if directions.insert(printed.cell, printed.direction.into_inner()).is_some() {
+                report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell: printed.cell });
             }
         }
-        let mut new: Vec<(u32, [u32; 3])> = of_layer.iter().map(|&cell| (cell, cells.position(cell))).collect();
-        new.retain(|&(_, place)| cells.contains(place) && built.insert(place));
-        new.iter().for_each(|&(_, place)| body.add(place));
-        obstructions.iter_mut().for_each(|obstructions| obstructions.end_layer(new.clone()));
-        let grown = body.settle();
-        depths.body_grew(&body, &grown);
+        Ok(Audit {
+            cells,
+            rules,
+            corners: platform.corners(),
+            support: supporters(rules.neighbours),
+            listed: Bits::of(cells),
+            built,
+            depths: Depths::new(question, &body),
+            body,
+            obstructions,
+            directions,
+            report,
+        })
     }
 
-    for &cell in directions.keys() {
-        report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell });
-    }
-    let mut missing = Bits::of(cells);
-    for &cell in missed {
-        let place = cells.position(cell);
-        if !cells.contains(place) {
-            report.add(|counts| &mut counts.missed_not_solid, || Fault::MissedNotSolid { cell });
-        } else if !missing.insert(place) {
-            report.add(|counts| &mut counts.missed_twice, || Fault::MissedTwice { cell });
-        } else if built.contains(place) {
-            report.add(|counts| &mut counts.built_and_missed, || Fault::BuiltAndMissed { cell });
+    /// Judges a cell of a layer by what earlier layers have built: it must be supported, and be outside of the hull or within reach of the nozzle.
+    fn judge(&mut self, cell: u32, layer: u32) {
+        let place = self.cells.position(cell);
+        if !self.cells.contains(place) {
+            self.report.add(|counts| &mut counts.not_solid, || Fault::NotSolid { cell, layer });
+            return;
+        }
+        if !self.listed.insert(place) {
+            self.report.add(|counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
+            return;
+        }
+        let is_supported = stands_on(self.corners, place, self.rules.flat)
+            || self.support.iter().any(|&step| self.built.contains_at(place, step));
+        if !is_supported {
+            self.report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
+        }
+        if let (Some(direction), Some(obstructions)) = (self.directions.remove(&cell), &self.obstructions) {
+            if let Some(meets) = obstructions.met(place, direction) {
+                let fault = || match meets {
+                    Meets::Cell(other) => Fault::NozzleMeets { cell, layer, other },
+                    Meets::Plate => Fault::NozzleMeetsPlate { cell, layer },
+                    Meets::Limit => Fault::NozzleLeans { cell, layer },
+                };
+                self.report.add(|counts| &mut counts.nozzle, fault);
+            }
+            return;
+        }
+        let centre = place.map(|k| 2 * i64::from(k) + 1);
+        let Audit { depths, body, report, .. } = self;
+        if depths.is_inside(body, centre) {
+            let fault = || Fault::Inside { cell, layer, depth: depths.depth(body, centre) };
+            report.add(|counts| &mut counts.inside, fault);
         }
     }
-    for cell in cells.iter() {
-        let place = cells.position(cell);
-        if !built.contains(place) && !missing.contains(place) {
-            report.add(|counts| &mut counts.lost, || Fault::Lost { cell });
+
+    /// Builds a layer: cells of one layer do not shadow each other.
+    fn end_layer(&mut self, of_layer: &[u32]) {
+        let mut new: Vec<(u32, [u32; 3])> = of_layer.iter().map(|&cell| (cell, self.cells.position(cell))).collect();
+        new.retain(|&(_, place)| self.cells.contains(place) && self.built.insert(place));
+        new.iter().for_each(|&(_, place)| self.body.add(place));
+        self.obstructions.iter_mut().for_each(|obstructions| obstructions.end_layer(new.clone()));
+        let grown = self.body.settle();
+        self.depths.body_grew(&self.body, &grown);
+    }
+
+    /// Judges the list of missed cells after the last layer: each cell of the part is built or missed, and no other.
+    fn judge_missed(&mut self, missed: &[u32]) {
+        let Audit { cells, built, directions, report, .. } = self;
+        for &cell in directions.keys() {
+            report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell });
+        }
+        let mut missing = Bits::of(cells);
+        for &cell in missed {
+            let place = cells.position(cell);
+            if !cells.contains(place) {
+                report.add(|counts| &mut counts.missed_not_solid, || Fault::MissedNotSolid { cell });
+            } else if !missing.insert(place) {
+                report.add(|counts| &mut counts.missed_twice, || Fault::MissedTwice { cell });
+            } else if built.contains(place) {
+                report.add(|counts| &mut counts.built_and_missed, || Fault::BuiltAndMissed { cell });
+            }
+        }
+        for cell in cells.iter() {
+            let place = cells.position(cell);
+            if !built.contains(place) && !missing.contains(place) {
+                report.add(|counts| &mut counts.lost, || Fault::Lost { cell });
+            }
         }
     }
-    let _ = progress(Progress { stage: "audit", done, total }); // too late to stop
-    Ok(report)
 }
 
 /// The steps from a cell to those that can support it, nearest first: at distance 1 or the root of 2 (a shared face
