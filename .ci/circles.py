@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fails where files of a crate import each other in a circle.
 
-usage: circles.py SRC...        each SRC is the `src` folder of a crate
+usage: circles.py SRC...        each SRC is the `src` folder of a library, or the root file of a command such as `examples/reach/main.rs`
 
 An import is a path that begins with `crate`, `super` or `self`, in a `use` line or in code. It counts for the file that
 defines the name: re-exports are followed, and are no imports themselves. Tests and comments do not count.
@@ -43,7 +43,9 @@ def uses_of(tree, prefix=()):
 class Crate:
     def __init__(self, src):
         self.files, self.code, self.names, self.children = {}, {}, {}, {}
-        self.read(("crate",), src / "lib.rs", src)
+        root, folder = (src / "lib.rs", src) if src.is_dir() else (src, src.parent)
+        self.folder = folder
+        self.read(("crate",), root, folder)
 
     def read(self, module, file, folder):
         """Reads a file, then those of the modules that it declares."""
@@ -131,5 +133,5 @@ for src in map(Path, sys.argv[1:]):
         print(f"{src}: a circle of {len(nodes)} files")
         for node in nodes:
             others = ", ".join("::".join(other[1:]) or "lib" for other in sorted(edges[node]) if other in nodes)
-            print(f"  {crate.files[node].relative_to(src)} -> {others}")
+            print(f"  {crate.files[node].relative_to(crate.folder)} -> {others}")
 sys.exit(bad > 0)

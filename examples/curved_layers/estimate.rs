@@ -1,8 +1,7 @@
 //! Whether a stage fits into memory, estimated before it begins: a part in another unit, or beads of a micrometre, ask for
 //! hundreds of gigabytes.
 
-use crate::failure;
-use crate::field::FieldRun;
+use crate::args::failure;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
@@ -69,8 +68,8 @@ impl Memory {
     }
 
     /// Curves on the surfaces, and the samples of the largest one, by which coverage is measured.
-    pub fn holds_paths(self, bead_mm: f64, field: &FieldRun, surfaces: &SurfacesRun) -> Result<(), Failure> {
-        let points = CROSSINGS * surfaces.spacing.area_mm2 / bead_mm / field.solid.grid.cell_mm();
+    pub fn holds_paths(self, bead_mm: f64, cell_mm: f64, surfaces: &SurfacesRun) -> Result<(), Failure> {
+        let points = CROSSINGS * surfaces.spacing.area_mm2 / bead_mm / cell_mm;
         let advice = |share: f64| format!("--bead {:.3} would fit", bead_mm / share);
         self.holds(CURVE_POINT * points, &format!("curves of {points:.0} points"), advice)?;
         let StatisticsOptions { samples_per_width, max_samples, .. } = StatisticsOptions::default();

@@ -1,13 +1,13 @@
 //! What is wrong with what each stage has made, in plain words: when it is told, and when the exit status is 3.
 
+use crate::args::{Args, Lying, Stage};
 use crate::complete::{LayersBy, NozzleGrowth, Support};
 use crate::field::FieldRun;
+use crate::job::Results;
 use crate::machine::{MachineRun, to_lay_mm3};
-use crate::motion::check::Checked;
-use crate::motion::{MotionRun, of_run};
+use crate::motion::{Checked, MotionRun, of_run};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Lying, Results, Stage};
 use Severity::{Failed, Noted, Told};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
@@ -396,8 +396,10 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
     }
     let (share, longest) = (support.unsupported_share(), support.longest_mm());
     let on = if args.mould.is_some() { "plate, mould" } else { "plate" };
-    let what =
-        format!("unsupported beads: neither {on} nor earlier bead within {} layer heights", args.support_distance);
+    let what = format!(
+        "unsupported beads: neither {on} nor earlier bead within {} layer heights",
+        args.support_distance_heights
+    );
     let long = support.unsupported.iter().filter(|piece| piece.length() > bead_mm).count();
     let amount = format!(
         "{:.1} of {:.1} mm, {}; {} longer than a bead is wide, the longest {longest:.1} mm, and {}",

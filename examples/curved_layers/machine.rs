@@ -1,6 +1,6 @@
 //! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
 
-use crate::Args;
+use crate::args::Args;
 use crate::field::FieldRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;

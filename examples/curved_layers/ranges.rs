@@ -95,7 +95,7 @@ pub enum RangeError {
     )]
     OtherSurfaces { path: PathBuf },
     #[error(
-        "{}: the paths were made with other options: --bead, --pattern, --least-gap, --join-distance, --least-length, --least-width, \
+        "{}: the paths were made with other options: --bead, --pattern, --min-gap, --join-distance, --min-length, --min-width, \
          --density, --support-density and what goes with them must be the same in all runs",
         .path.display()
     )]

@@ -5,22 +5,26 @@
 pub mod args;
 pub mod bars;
 pub mod clock;
+pub mod finding;
 pub mod findings;
 mod html;
 pub mod input;
 pub mod mesh;
 pub mod motion;
 pub mod orienting;
+pub mod outcome;
 pub mod output;
 pub mod plot;
 pub mod render;
 pub mod report;
+pub mod run;
 pub mod settings;
 pub mod shapes;
 pub mod signals;
 pub mod spiral;
 pub mod summary;
 pub mod table;
+pub mod terminal;
 pub mod viewer;
 pub mod waypoints;
 

@@ -1,6 +1,6 @@
 //! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
 
-use crate::findings::{Finding, Severity};
+use crate::finding::{Finding, Severity};
 use crate::html::{base64, escaped};
 use crate::plot::Plot;
 use crate::table::Table;

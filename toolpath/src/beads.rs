@@ -4,6 +4,7 @@
 //! Its section is that of a slicer: a core, as wide as the bead less its height, with a round rim. Between waypoints middles and
 //! sizes go evenly from one to the next.
 
+use crate::cells::{cell_of, with_neighbours};
 use crate::orientation::Waypoint;
 use nalgebra::{Point3, Vector3};
 use std::collections::HashMap;
@@ -74,7 +75,7 @@ impl BeadGrid {
             let steps = ((b.middle - a.middle).norm() / (0.5 * reach)).ceil().max(1.0) as usize;
             for k in 0..=steps {
                 let at = a.middle + (b.middle - a.middle) * (k as f64 / steps as f64);
-                let here = cells.entry(cell(at, side)).or_default();
+                let here = cells.entry(cell_of(at, side)).or_default();
                 if here.last() != Some(&number) {
                     here.push(number);
                 }
@@ -85,13 +86,7 @@ impl BeadGrid {
 
     /// The pieces within reach of a place, and some others; some more than once.
     pub fn around(&self, at: Point3<f64>) -> impl Iterator<Item = u32> {
-        let [x, y, z] = cell(at, self.side);
-        let around =
-            (-1..=1).flat_map(move |i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
+        let around = with_neighbours(cell_of(at, self.side));
         around.filter_map(|cell| self.cells.get(&cell)).flatten().copied()
     }
-}
-
-fn cell(at: Point3<f64>, side: f64) -> [i64; 3] {
-    [at.x, at.y, at.z].map(|x| (x / side).floor() as i64)
 }

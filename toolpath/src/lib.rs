@@ -23,6 +23,7 @@
 
 mod beads;
 pub mod cam;
+mod cells;
 pub mod contour;
 pub mod deposit;
 pub mod drawing;

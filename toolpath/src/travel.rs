@@ -49,7 +49,7 @@ const PIECES: usize = 8;
 const MOST_LOOKS: f64 = 1e4;
 
 /// What distances from the plate may lack, in millimetres.
-const ROUNDING: f64 = 1e-9;
+const PLATE_ROUNDING_MM: f64 = 1e-9;
 
 /// Lengths beyond this are refused.
 const LARGEST: f64 = 1e6;
@@ -323,7 +323,7 @@ impl Finder<'_> {
             let middle = leg[0].toward(&leg[1], 0.5)?;
             Some([[leg[0], middle], [middle, leg[1]]])
         };
-        self.above_plate(height, lean) >= over_plate - ROUNDING
+        self.above_plate(height, lean) >= over_plate - PLATE_ROUNDING_MM
             || motion > FINEST * self.options.clearance
                 && halves().is_some_and(|halves| halves.iter().all(|half| self.is_leg_above(half, over_plate)))
     }
@@ -398,7 +398,7 @@ impl Finder<'_> {
                 if let Some(worst) = scene.worst(stand, &pose.direction, &mut work) {
                     return Some((pose.tip, worst.obstacle));
                 }
-                if self.above_plate(pose.tip.z, lean(&pose)) < over_plate - ROUNDING {
+                if self.above_plate(pose.tip.z, lean(&pose)) < over_plate - PLATE_ROUNDING_MM {
                     return Some((pose.tip, Obstacle::Plate));
                 }
             }

@@ -15,3 +15,17 @@ pub(crate) fn join(parents: &mut [u32], one: u32, other: u32) {
     let [a, b] = [one, other].map(|item| root(parents, item));
     parents[a.max(b) as usize] = a.min(b);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{join, root};
+
+    #[test]
+    fn the_least_item_of_a_set_is_its_root() {
+        let mut parents: Vec<u32> = (0..6).collect();
+        for (one, other) in [(5, 3), (3, 4), (1, 2), (4, 1), (2, 5)] {
+            join(&mut parents, one, other);
+        }
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|item| root(&mut parents, item)), [0, 1, 1, 1, 1, 1]);
+    }
+}

@@ -1,11 +1,12 @@
 //! Summary for the operator: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
+use crate::args::Stage;
 use crate::choice::Choice;
 use crate::findings::counted;
 use crate::guide::Guide;
+use crate::job::{Job, Results};
 use crate::motion::of_run;
-use crate::{Job, Results, Stage};
 use curvlay_examples::findings::{Severity, percent};
 use curvlay_examples::table::Table;
 

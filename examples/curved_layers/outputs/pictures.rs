@@ -1,6 +1,6 @@
 //! Pictures: the part while it is built, single surfaces, how far apart they lie; paths and the distance they follow.
 
-use super::Picture;
+use super::shown::Picture;
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::paths::{PathsRun, curves};

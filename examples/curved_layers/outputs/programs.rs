@@ -6,9 +6,10 @@
 //!
 //! All files appear when the last of them is written, or none.
 
-use crate::failure;
+use crate::args::failure;
+use crate::motion::MotionRun;
+use crate::motion::args::ProgramFormat;
 use crate::motion::read_back::read_back;
-use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;

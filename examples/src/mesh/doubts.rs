@@ -1,6 +1,6 @@
 //! What the orientation of a mesh leaves to say: one policy for all examples.
 
-use crate::findings::{Finding, Severity};
+use crate::finding::{Finding, Severity};
 use curvlay_voxel::OrientReport;
 
 /// Share of the volume from which on a reading of the mesh that differs is a doubt.

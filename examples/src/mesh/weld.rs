@@ -1,7 +1,8 @@
 //! What all readers fill: a mesh whose corners at one place are one, and what they had to decide.
 
-use super::{Mesh, MeshFault, Place, syntax};
-use crate::findings::{Finding, Severity};
+use super::fault::{MeshFault, Place, syntax};
+use super::triangles::Mesh;
+use crate::finding::{Finding, Severity};
 use curvlay_voxel::{PolygonError, triangulate_polygon};
 use nalgebra::Point3;
 use std::collections::HashMap;

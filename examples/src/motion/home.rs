@@ -1,7 +1,7 @@
 //! Where the programs of a print begin and end.
 
 use super::PrintingCell;
-use crate::args::Failure;
+use crate::outcome::Failure;
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::Progress;
 use curvlay_trajectory::print::{Fault, FaultKind, PrintLimits, PrintOptions, PrintPlan, PrintRobot, Run};

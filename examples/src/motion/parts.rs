@@ -3,10 +3,10 @@
 use super::{
     OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
 };
-use crate::args::Failure;
 use crate::bars::Bars;
 use crate::findings::{Findings, Severity};
 use crate::mesh::Mesh;
+use crate::outcome::Failure;
 use crate::output::is_numbered;
 use crate::viewer::{self, Robot, Step};
 use curvlay_kinematics::program::{RapidOptions, write_urscript};

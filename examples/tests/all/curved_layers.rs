@@ -2,7 +2,7 @@
 
 use crate::common;
 use curvlay_examples::motion::{OnCell, UR3_CELL};
-use curvlay_examples::settings::Settings;
+use curvlay_examples::settings::Profile;
 use curvlay_kinematics::program::{CsvReader, Goal, Move, Step, UrScriptReader, read_rapid};
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_toolpath::gcode::{self, GcodeReader, ReadOptions};
@@ -54,7 +54,7 @@ fn summary(folder: &str) -> Value {
 
 /// Whether the pages on formats have every key of the summary and the columns of every table in a folder.
 fn documented(folder: &str) {
-    let keys = common::formats(Some("summary.md"));
+    let keys = common::summary_keys();
     for key in summary(folder).as_object().unwrap().keys() {
         assert!(keys.contains(&format!("`{key}`")), "{key}");
     }
@@ -724,7 +724,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 72] = [
+    let cases: [(&[&str], i32, &str); 74] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -776,6 +776,9 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--retraction", "1e9"], 2, "--retraction <MM>': must be at most 10000 mm"),
         (&["--travel-feed", "1e99"], 2, "--travel-feed <MM_S>': must be at most 100000"),
         (&["--price-per-kg", "20"], 2, "--material-density"),
+        // Options by their names with units, and by older names.
+        (&["--max-feed-mm-s", "0"], 2, "--max-feed <MM_S>': must be above 0"),
+        (&["--least-gap", "-1"], 2, "--min-gap <SQUARES>': must be 0 or more"),
         (&["--material-density", "1240"], 2, "g/cm3"),
         (&["--stage", "paths", "--fan", "1"], 2, "--fan does nothing with --stage paths: it needs --stage gcode"),
         (&["--profile", "no-such-profile.json"], 1, "no-such-profile.json"),
@@ -811,6 +814,18 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     }
     let (status, line) = status_and_line(&run(&["--out", &in_the_way]));
     assert!(status == 1 && line.contains(&in_the_way), "{status} {line}");
+}
+
+/// All options of the declaration that are meant to be everyday ones are there, and no others.
+#[test]
+fn short_help_has_forty_options_at_most() {
+    let options = |word: &str| {
+        let help = String::from_utf8(run(&[word]).stdout).unwrap();
+        help.lines().filter(|line| line.trim_start().starts_with('-')).count()
+    };
+    // With -h and -V; the mesh is no option.
+    assert_eq!(options("-h"), 37);
+    assert!(options("--help") > 90);
 }
 
 /// Bug: layers of 1 mm, stretched to 1.003 mm so that they fill the part, were refused with beads of 1 mm.
@@ -923,7 +938,7 @@ fn the_profiles_that_come_along_can_be_used() {
     let mut count = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        let settings = Settings::load(&path).unwrap();
+        let settings = Profile::load(&path).unwrap().settings();
         settings.check_templates().unwrap();
         assert!(settings.name.is_some() && settings.material_density_g_cm3.is_some(), "{}", path.display());
         assert!(settings.layer_height_mm.unwrap() <= settings.bead_mm.unwrap(), "{}", path.display());

@@ -27,6 +27,7 @@ mod ranges;
 mod reach;
 mod render;
 mod robofdm;
+mod settings;
 mod shapes;
 mod stewart_table;
 mod stl_written;

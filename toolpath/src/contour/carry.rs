@@ -1,6 +1,7 @@
 //! Short and narrow curves that later beads lie on.
 
-use super::segments::{Segments, nearest};
+use super::segments::Segments;
+use crate::mesh::on_segment;
 use crate::path::SurfacePath;
 use nalgebra::Point3;
 
@@ -20,7 +21,7 @@ pub(crate) fn carriers(kept: &[SurfacePath], left: &[SurfacePath], places: &[Pla
     let [kept_near, left_near] = [kept, left].map(|paths| segments(paths, most));
     let within = |paths: &[SurfacePath], [number, k]: [u32; 2], place: &Place| {
         let line = paths[number as usize].segment(k as usize).map(|point| point.at.position);
-        (nearest(line, place.at) - place.at).norm() <= place.reach
+        (on_segment(line, place.at) - place.at).norm() <= place.reach
     };
     for place in places {
         let on: Vec<u32> =

@@ -7,7 +7,7 @@ use crate::mesh::{SurfaceMesh, SurfacePoint};
 use nalgebra::{Point3, Vector3};
 
 /// Segments that are nearer than this share of their length touch: so do those that run back along each other exactly.
-const ROUNDING: f64 = 1e-8;
+const TOUCHING: f64 = 1e-8;
 
 /// Whether two segments of a curve cross or touch. Segments that are farther apart than they are long never do.
 pub(super) fn cross(mesh: &SurfaceMesh, one: [&SurfacePoint; 2], other: [&SurfacePoint; 2]) -> bool {
@@ -18,7 +18,7 @@ pub(super) fn cross(mesh: &SurfaceMesh, one: [&SurfacePoint; 2], other: [&Surfac
     }
     let up: Vector3<f64> = one.into_iter().chain(other).map(|p| normal(mesh, p.triangle)).sum();
     let side = |from: Point3<f64>, to: Point3<f64>, p: Point3<f64>| (to - from).cross(&(p - from)).dot(&up);
-    let rounding = ROUNDING * long * long * up.norm();
+    let rounding = TOUCHING * long * long * up.norm();
     let parts = |from, to, p, q| {
         let [left, right] = [side(from, to, p), side(from, to, q)];
         left.min(right) <= rounding && left.max(right) >= -rounding

@@ -1,7 +1,9 @@
 //! Rings by arc length, and points of the surface near a point in space.
 
 use crate::level_set::Ring;
-use crate::mesh::{SurfaceMesh, SurfacePoint};
+use crate::mesh::SurfaceMesh;
+use crate::mesh::SurfacePoint;
+use crate::mesh::on_mesh_triangle;
 use nalgebra::{Point3, Vector3};
 
 /// Points of a ring nearer together than this share of its length count as one.
@@ -82,7 +84,7 @@ impl Loop {
     pub fn at(&self, mesh: &SurfaceMesh, place: f64) -> SurfacePoint {
         let (k, position) = self.segment(place);
         let triangle = self.points[k].triangle;
-        let (_, barycentric) = nearest_in_triangle(mesh, triangle, position);
+        let (_, barycentric) = on_mesh_triangle(mesh, triangle, position);
         SurfacePoint { triangle, barycentric, position }
     }
 
@@ -160,39 +162,11 @@ impl Loop {
     }
 }
 
-/// The point of a triangle nearest to a point in space, and its weights.
-pub(crate) fn nearest_in_triangle(mesh: &SurfaceMesh, triangle: u32, p: Point3<f64>) -> (Point3<f64>, [f64; 3]) {
-    let corners = mesh.triangles()[triangle as usize].map(|v| mesh.vertices()[v as usize]);
-    let [a, b, c] = corners;
-    let normal = (b - a).cross(&(c - a));
-    let whole = normal.norm_squared();
-    let share = |from: Point3<f64>, to: Point3<f64>| (to - from).cross(&(p - from)).dot(&normal) / whole;
-    let weights = [share(b, c), share(c, a), share(a, b)];
-    if weights.iter().all(|&w| w >= 0.0) {
-        let sum: f64 = weights.iter().sum();
-        let weights = weights.map(|w| w / sum);
-        return (mesh.point(triangle, weights), weights);
-    }
-    let mut best = (a, [1.0, 0.0, 0.0], f64::INFINITY);
-    for k in 0..3 {
-        let (from, to) = (corners[k], corners[(k + 1) % 3]);
-        let share = ((p - from).dot(&(to - from)) / (to - from).norm_squared()).clamp(0.0, 1.0);
-        let there = from + (to - from) * share;
-        let distance = (there - p).norm_squared();
-        if distance < best.2 {
-            let mut weights = [0.0; 3];
-            (weights[k], weights[(k + 1) % 3]) = (1.0 - share, share);
-            best = (there, weights, distance);
-        }
-    }
-    (best.0, best.1)
-}
-
 /// The point of the surface that is nearest to a point in space among those reached from a triangle by going ever
 /// nearer. So sheets that lie close together in space are not mistaken for each other.
 pub(super) fn locate(mesh: &SurfaceMesh, start: u32, p: Point3<f64>) -> SurfacePoint {
     let look = |triangle: u32| {
-        let (position, barycentric) = nearest_in_triangle(mesh, triangle, p);
+        let (position, barycentric) = on_mesh_triangle(mesh, triangle, p);
         ((position - p).norm_squared(), SurfacePoint { triangle, barycentric, position })
     };
     let mut best = look(start);

@@ -6,12 +6,14 @@
 
 use super::crossing::cross;
 use super::curve::locate;
-use super::segments::{Segments, nearest};
+use super::segments::Segments;
 use super::spacing::Spacing;
 use super::thin::SAME;
 use super::watch::Watch;
 use crate::level_set::LevelField;
-use crate::mesh::{SurfaceMesh, SurfacePoint};
+use crate::mesh::SurfaceMesh;
+use crate::mesh::SurfacePoint;
+use crate::mesh::on_segment;
 use crate::path::{PathError, PathPoint, SurfacePath};
 use crate::union_find::{join, root};
 use nalgebra::Point3;
@@ -147,7 +149,7 @@ impl Joiner<'_, '_> {
             let line = other.map(|point| point.at.position);
             inner.iter().all(|point| {
                 let p = point.at.position;
-                (nearest(line, p) - p).norm() >= CLEARANCE * self.bead
+                (on_segment(line, p) - p).norm() >= CLEARANCE * self.bead
             })
         };
         let crosses = |other: [&PathPoint; 2]| {

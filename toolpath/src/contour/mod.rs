@@ -39,8 +39,8 @@ mod widths;
 mod zigzag;
 
 pub(crate) use carry::{Place, carriers};
-pub(crate) use curve::{Loop, nearest_in_triangle};
+pub(crate) use curve::Loop;
 pub(crate) use cut::Cut;
 pub(crate) use rows::{Rim, Row, end, joined};
-pub(crate) use segments::{Segments, nearest};
+pub(crate) use segments::Segments;
 pub use spacing::BEAD_WIDTHS;

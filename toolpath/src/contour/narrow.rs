@@ -11,11 +11,13 @@
 
 use super::crossing::cross;
 use super::polyline::Curve;
-use super::segments::{Segments, nearest};
+use super::segments::Segments;
 use super::spacing::{BEAD_WIDTHS, Spacing};
 use super::watch::Watch;
 use crate::level_set::{Around, LevelField};
-use crate::mesh::{SurfacePoint, previous};
+use crate::mesh::SurfacePoint;
+use crate::mesh::on_segment;
+use crate::mesh::previous;
 use crate::path::{PathError, SurfacePath};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -201,7 +203,7 @@ impl Beside<'_> {
             let (points, widths) = (&self.curves[number as usize].points, &self.widths[number as usize]);
             let ends = [k as usize, (k as usize + 1) % points.len()];
             let width = 0.5 * (widths[ends[0]] + widths[ends[1]]);
-            room = room.min((nearest(ends.map(|k| points[k].position), p) - p).norm() - 0.5 * width);
+            room = room.min((on_segment(ends.map(|k| points[k].position), p) - p).norm() - 0.5 * width);
             if room < least {
                 return 0.0;
             }

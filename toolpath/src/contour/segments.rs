@@ -1,6 +1,7 @@
 //! Segments of curves, looked up by where they are.
 
 use super::polyline::Curve;
+use crate::cells::cell_of;
 use crate::path::SurfacePath;
 use nalgebra::Point3;
 
@@ -43,7 +44,7 @@ impl Segments {
     pub fn add(&mut self, ends: [Point3<f64>; 2], name: [u32; 2]) {
         let first = self.cells.len();
         for p in samples(ends, self.side) {
-            let entry = (cell(p, self.side), name);
+            let entry = (cell_of(p, self.side), name);
             if !self.cells[first..].contains(&entry) {
                 self.cells.push(entry);
             }
@@ -56,7 +57,7 @@ impl Segments {
 
     /// Those that come within three quarters of a side of a point, some others, and some twice.
     pub fn near(&self, p: Point3<f64>) -> impl Iterator<Item = [u32; 2]> + '_ {
-        let [x, y, z] = cell(p, self.side);
+        let [x, y, z] = cell_of(p, self.side);
         // Samples are a quarter of a side from what they stand for at most, so what is near is in the next cell.
         (-1..=1).flat_map(move |i| (-1..=1).map(move |j| [x + i, y + j])).flat_map(move |[x, y]| {
             let start = self.cells.partition_point(|entry| entry.0 < [x, y, z - 1]);
@@ -74,15 +75,4 @@ impl Segments {
 fn samples([a, b]: [Point3<f64>; 2], side: f64) -> impl Iterator<Item = Point3<f64>> {
     let steps = (2.0 * (b - a).norm() / side).ceil().max(1.0);
     (0..=steps as usize).map(move |k| a + (b - a) * (k as f64 / steps))
-}
-
-fn cell(p: Point3<f64>, side: f64) -> [i64; 3] {
-    [p.x, p.y, p.z].map(|x| (x / side).floor() as i64)
-}
-
-/// The point of a line that is nearest to a point.
-pub(crate) fn nearest([a, b]: [Point3<f64>; 2], p: Point3<f64>) -> Point3<f64> {
-    let along = b - a;
-    let length = along.norm_squared();
-    if length > 0.0 { a + along * ((p - a).dot(&along) / length).clamp(0.0, 1.0) } else { a }
 }

@@ -18,12 +18,13 @@
 //!
 //! Rows meet no other rows, and each piece of a rim joins two ends next to it, so curves do not cross.
 
-use super::curve::nearest_in_triangle;
 use super::cut::{Cut, across};
 use super::rows::{Rim, Row, RowCurve, end, joined};
 use crate::geodesic::{Sources, SurfaceDistance};
 use crate::level_set::{LevelField, Ring};
-use crate::mesh::{SurfaceMesh, SurfacePoint};
+use crate::mesh::SurfaceMesh;
+use crate::mesh::SurfacePoint;
+use crate::mesh::on_mesh_triangle;
 use crate::path::PathError;
 use std::ops::ControlFlow;
 
@@ -109,7 +110,7 @@ impl Clipper<'_> {
     /// The point of the mesh at a place of a piece of the cut mesh.
     fn on_mesh(&self, piece: u32, position: nalgebra::Point3<f64>) -> SurfacePoint {
         let triangle = self.cut.parents[piece as usize];
-        let (position, barycentric) = nearest_in_triangle(self.field.distance().mesh(), triangle, position);
+        let (position, barycentric) = on_mesh_triangle(self.field.distance().mesh(), triangle, position);
         SurfacePoint { triangle, barycentric, position }
     }
 
@@ -181,7 +182,7 @@ impl Clipper<'_> {
             let position = outside.position + (inside.position - outside.position) * share;
             let mesh = self.field.distance().mesh();
             let [one, other] = [outside, inside].map(|p| {
-                let (near, barycentric) = nearest_in_triangle(mesh, p.triangle, position);
+                let (near, barycentric) = on_mesh_triangle(mesh, p.triangle, position);
                 ((near - position).norm_squared(), SurfacePoint { triangle: p.triangle, barycentric, position: near })
             });
             if other.0 < one.0 { other.1 } else { one.1 }

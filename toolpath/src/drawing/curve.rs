@@ -1,7 +1,7 @@
 //! Curves of a drawing: lines, elliptic arcs and rational splines. An affine map takes each kind to itself, so blocks, arrays and
 //! SVG transforms need nothing else.
 
-use super::flatten::{CurveFault, MAX_COORDINATE_MM};
+use super::fault::{CurveFault, MAX_COORDINATE_MM};
 use nalgebra::{Matrix2, Point2, Vector2};
 use std::f64::consts::PI;
 

@@ -4,9 +4,10 @@
 //! that of a circle whose radius is the largest singular value of `[u v]`. A Bezier piece with weights above zero lies in the convex
 //! hull of its control points, so it is halved until those are near its chord: a bound, not a sample.
 
-use super::Contour;
 use super::curve::Curve;
 use super::drawing::{Drawing, Entity};
+use super::fault::{CurveFault, MAX_COORDINATE_MM};
+use super::join::Contour;
 use nalgebra::{Matrix2, Point2};
 use std::f64::consts::TAU;
 
@@ -25,48 +26,6 @@ impl Default for Flatten {
     fn default() -> Self {
         Flatten::Tolerance(0.01)
     }
-}
-
-/// What is wrong with a curve.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CurveFault {
-    /// A number is NaN or infinite.
-    #[error("a number is not finite")]
-    NotFinite,
-    /// A coordinate is too large.
-    #[error("a coordinate is {value:.2e} mm, beyond the limit of {limit:e} mm")]
-    TooFar {
-        /// The coordinate.
-        value: f64,
-        /// Greatest coordinate.
-        limit: f64,
-    },
-    /// An arc whose radius is zero.
-    #[error("the radius is 0")]
-    ZeroRadius,
-    /// A spline of a degree that cannot be, or with too few control points for it.
-    #[error("a spline of degree {degree} cannot have {points} control points")]
-    Degree {
-        /// Its degree.
-        degree: usize,
-        /// Its control points.
-        points: usize,
-    },
-    /// Knots are missing, or too many.
-    #[error("the spline needs {expected} knots and has {found}")]
-    KnotCount {
-        /// Knots needed.
-        expected: usize,
-        /// Knots there are.
-        found: usize,
-    },
-    /// Knots that fall, or span nothing.
-    #[error("the knots of the spline must not fall, and must span an interval")]
-    Knots,
-    /// A weight that is not above zero, or not one for each control point.
-    #[error("the weights of the spline must be above 0, one for each control point")]
-    Weights,
 }
 
 /// Why a drawing could not be flattened.
@@ -104,9 +63,6 @@ pub enum FlattenError {
         limit: usize,
     },
 }
-
-/// Greatest coordinate of a drawing, in millimetres: a kilometre. Beyond it a double no longer holds a nanometre.
-pub const MAX_COORDINATE_MM: f64 = 1e6;
 
 /// Most points of a drawing: 160 MB. A design of metres in steps of 0.2 mm has 100,000.
 pub const MAX_POINTS: usize = 10_000_000;

@@ -4,6 +4,7 @@
 //! looks into nine cells. Closed and open contours stand side by side.
 
 use super::drawing::PathFill;
+use super::fault::MAX_COORDINATE_MM;
 use nalgebra::Point2;
 use std::collections::HashMap;
 
@@ -199,7 +200,7 @@ fn check(contours: &[Contour], tolerance: f64) -> Result<(), JoinError> {
         return Err(JoinError::Tolerance { value: tolerance });
     }
     for (contour, piece) in contours.iter().enumerate() {
-        let far = |p: &Point2<f64>| !(p.x.abs() <= super::MAX_COORDINATE_MM && p.y.abs() <= super::MAX_COORDINATE_MM);
+        let far = |p: &Point2<f64>| !(p.x.abs() <= MAX_COORDINATE_MM && p.y.abs() <= MAX_COORDINATE_MM);
         if let Some(point) = piece.points.iter().position(far) {
             return Err(JoinError::Point { contour, point });
         }

@@ -27,6 +27,7 @@ mod curve;
 #[expect(clippy::module_inception, reason = "it holds the type `Drawing`")]
 mod drawing;
 mod dxf;
+mod fault;
 mod fill;
 mod flatten;
 mod join;
@@ -45,8 +46,9 @@ pub use coverage::{Coverage, CoverageError, coverage};
 pub use curve::Curve;
 pub use drawing::{Drawing, Entity, FillRule, PathFill};
 pub use dxf::{DxfError, Place, SpacePath, read_dxf, write_dxf, write_paths_dxf};
+pub use fault::{CurveFault, MAX_COORDINATE_MM};
 pub use fill::{ContourAt, Fill, FillError, FillOptions, Filled, Stroke, StrokeKind, fill};
-pub use flatten::{CurveFault, Flatten, FlattenError, MAX_COORDINATE_MM, MAX_POINTS};
+pub use flatten::{Flatten, FlattenError, MAX_POINTS};
 pub use join::{Contour, Gap, JoinError, Joined, gaps, join};
 pub use overlap::{OverlapError, Overlaps, Region, area_sum, remove_overlaps, union_area};
 pub use polygon::signed_area;

@@ -14,9 +14,11 @@ use super::head::LayerTapes;
 use super::tape::Tape;
 use crate::Progress;
 use crate::beads::{BeadGrid, Section, nearest_share};
+use crate::cells::{cell_of, with_neighbours};
 use crate::orientation::{ToolPath, Waypoint};
 use crate::path::BeadKind;
 use crate::support::{SupportError, SupportOptions, check_support};
+use crate::union_find::{join, root};
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -346,11 +348,10 @@ fn turned(path: &ToolPath) -> ToolPath {
 fn roller_depth(paths: &[ToolPath], tapes: &[LayerTapes], roller: &Roller) -> Option<TapePlace> {
     // What the roller reaches from its line of contact.
     let reach = (0.5 * roller.diameter).hypot(0.5 * roller.width) + 0.5 * roller.diameter;
-    let cell = |p: Point3<f64>| [p.x, p.y, p.z].map(|x| (x / reach).floor() as i64);
     let mut tops: HashMap<[i64; 3], Vec<(u32, Point3<f64>)>> = HashMap::new();
     for path in paths {
         for at in &path.waypoints {
-            tops.entry(cell(at.bead_top())).or_default().push((path.layer, at.bead_top()));
+            tops.entry(cell_of(at.bead_top(), reach)).or_default().push((path.layer, at.bead_top()));
         }
     }
     let radius = 0.5 * roller.diameter;
@@ -364,9 +365,7 @@ fn roller_depth(paths: &[ToolPath], tapes: &[LayerTapes], roller: &Roller) -> Op
                 let contact = point + normal * (list.lift + tape.thickness);
                 let across = normal.cross(&along(tape, k)).try_normalize(1e-12).unwrap_or(Vector3::zeros());
                 let axle = contact + normal * radius;
-                let [x, y, z] = cell(contact);
-                let around =
-                    (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |l| [x + i, y + j, z + l])));
+                let around = with_neighbours(cell_of(contact, reach));
                 for (layer, top) in around.filter_map(|cell| tops.get(&cell)).flatten() {
                     let to = top - axle;
                     let aside = to.dot(&across);
@@ -458,25 +457,16 @@ pub fn bedded_surface(
 
 /// The same triangles with a point for each fan around it: corners of triangles are one where chains of common edges join them.
 fn in_fans(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
-    let mut joined: Vec<usize> = (0..3 * triangles.len()).collect();
-    fn root(joined: &mut [usize], mut corner: usize) -> usize {
-        while joined[corner] != corner {
-            joined[corner] = joined[joined[corner]];
-            corner = joined[corner];
-        }
-        corner
-    }
-    let mut sides: HashMap<[u32; 2], [usize; 2]> = HashMap::new();
-    for (number, corners) in triangles.iter().enumerate() {
+    let mut joined: Vec<u32> = (0..3 * triangles.len() as u32).collect();
+    let mut sides: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
+    for (number, corners) in (0..).zip(triangles) {
         for k in 0..3 {
-            let ends = [(corners[k], 3 * number + k), (corners[(k + 1) % 3], 3 * number + (k + 1) % 3)];
+            let ends = [k, (k + 1) % 3].map(|k| (corners[k], 3 * number + k as u32));
             let [low, high] = if ends[0].0 < ends[1].0 { ends } else { [ends[1], ends[0]] };
             match sides.get(&[low.0, high.0]) {
                 Some(&[a, b]) => {
-                    for (one, other) in [(a, low.1), (b, high.1)] {
-                        let [one, other] = [one, other].map(|corner| root(&mut joined, corner));
-                        joined[one.max(other)] = one.min(other);
-                    }
+                    join(&mut joined, a, low.1);
+                    join(&mut joined, b, high.1);
                 }
                 None => _ = sides.insert([low.0, high.0], [low.1, high.1]),
             }
@@ -484,12 +474,12 @@ fn in_fans(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Vec<Point3<f64>>,
     }
     let mut number = vec![u32::MAX; joined.len()];
     let (mut vertices, mut fans) = (Vec::new(), Vec::with_capacity(triangles.len()));
-    for (triangle, corners) in triangles.iter().enumerate() {
+    for (triangle, corners) in (0..).zip(triangles) {
         fans.push([0, 1, 2].map(|k| {
-            let fan = root(&mut joined, 3 * triangle + k);
+            let fan = root(&mut joined, 3 * triangle + k) as usize;
             if number[fan] == u32::MAX {
                 number[fan] = vertices.len() as u32;
-                vertices.push(points[corners[k] as usize]);
+                vertices.push(points[corners[k as usize] as usize]);
             }
             number[fan]
         }));

@@ -1,10 +1,13 @@
 //! Skins over sparse infill: bridges, and how far they lie on nothing.
 
 use super::filled::{FilledLayer, FilledLayers};
-use crate::contour::{Segments, nearest};
+use crate::contour::Segments;
 use crate::infill::thickness;
-use crate::layer::{BuiltLayer, LayerStack, LayerSurface, StackError, of_layer};
-use crate::path::{BeadKind, PathPoint, SurfacePath};
+use crate::layer::LayerSurface;
+use crate::layer::{BuiltLayer, LayerStack, StackError, of_layer};
+use crate::mesh::on_segment;
+use crate::path::BeadKind;
+use crate::path::{PathPoint, SurfacePath};
 use nalgebra::Point3;
 
 /// A place of a bead lies on an earlier bead whose middle is no farther than this many thicknesses of its layer below it: one straight
@@ -103,7 +106,7 @@ impl<'a> Below<'a> {
     fn carries(&self, p: Point3<f64>, reach: f64) -> bool {
         self.near.near(p).any(|[number, k]| {
             let line = self.paths[number as usize].segment(k as usize).map(|point| point.at.position);
-            (nearest(line, p) - p).norm() <= reach
+            (on_segment(line, p) - p).norm() <= reach
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Layers that are filled.
 
-use super::with_support::Beside;
+use super::support_part::SupportPart;
 use crate::infill::SparseFill;
 use crate::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, StackError};
 use crate::path::{BeadKind, LayerPaths, SurfacePath};
@@ -26,7 +26,7 @@ pub struct FilledLayer {
     /// What is solid of it, by which it is judged again where short curves come back; of others none, and none of a part that is finished.
     pub(super) solid: Option<SolidPart>,
     /// The support beside it, if there is any.
-    pub(super) support: Option<Beside>,
+    pub(super) support: Option<SupportPart>,
 }
 
 /// The part of a surface that is filled solid.

@@ -18,6 +18,7 @@ mod filled;
 mod judge;
 mod layers;
 mod short;
+mod support_part;
 mod totals;
 mod with_support;
 

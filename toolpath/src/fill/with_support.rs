@@ -5,20 +5,10 @@
 //! short: with them a column would lose a level.
 
 use super::filled::FilledLayer;
+use super::support_part::SupportPart;
 use crate::layer::LayerSurface;
 use crate::path::{BeadKind, LayerPaths, PathOptions, SurfacePath};
 use crate::statistics::PathStatistics;
-
-/// The support of a layer, beside the part.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Beside {
-    /// Figures of its beads.
-    pub statistics: PathStatistics,
-    /// Vertices and triangles of the surface of the part, after which those of the support follow.
-    pub vertices: usize,
-    pub triangles: usize,
-}
 
 impl PathOptions {
     /// The same for support: filled to a share of `density` within one wall, closed by one layer at its top and bottom, and no curve left out.
@@ -100,7 +90,7 @@ impl FilledLayer {
         layer.reach_mm = layer.reach_mm.max(reach_mm);
         layer.sparse.add(&sparse);
         let (vertices, triangles) = (surface.vertices.len(), surface.triangles.len());
-        layer.support = Some(Beside { statistics, vertices, triangles });
+        layer.support = Some(SupportPart { statistics, vertices, triangles });
         Some(layer)
     }
 

@@ -19,11 +19,14 @@
 
 use super::built::{after, before, built, touched};
 use super::deepest::{Contact, Scene, Stand};
+use super::error::GougingError;
 use super::nozzle::Nozzle;
-use super::{GougingError, GougingOptions};
+use super::options::GougingOptions;
+use crate::Progress;
 use crate::layer::{Keys, LayerStack};
-use crate::orientation::{Pose, ToolPath, angle, farthest, lean};
-use crate::{Progress, parallel};
+use crate::orientation::{Pose, farthest, lean};
+use crate::orientation::{ToolPath, angle};
+use crate::parallel;
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 

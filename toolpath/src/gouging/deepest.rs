@@ -17,8 +17,8 @@
 //! over: each face of the nozzle is bounded by itself, by how far the tip goes along the axis and across it, and there is
 //! mostly nothing left to look at.
 
-use super::Obstacle;
 use super::nozzle::{Nozzle, NozzlePart, Sway};
+use super::obstacle::Obstacle;
 use crate::layer::{Keys, LayerStack, Node, Tree, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 

@@ -17,11 +17,14 @@
 use super::along::{FreedPath, tilted};
 use super::built::{Laid, built, touched};
 use super::deepest::Scene;
+use super::error::GougingError;
+use super::gouge::{Gouge, LeftOut};
 use super::nozzle::Nozzle;
-use super::{Gouge, GougingError, GougingOptions, LeftOut};
+use super::options::GougingOptions;
+use crate::Progress;
 use crate::layer::LayerStack;
 use crate::orientation::ToolPath;
-use crate::{Progress, parallel};
+use crate::parallel;
 use std::ops::ControlFlow;
 
 /// How often the orders of layers are changed. The third time frees two waypoints more on one model of three, a fourth none.

@@ -1,8 +1,10 @@
 //! Back from a part of a mesh to the mesh.
 
-use crate::contour::nearest_in_triangle;
-use crate::mesh::{SurfaceMesh, SurfacePoint};
-use crate::path::{BeadKind, PathPoint, SurfacePath};
+use crate::mesh::SurfaceMesh;
+use crate::mesh::SurfacePoint;
+use crate::mesh::on_mesh_triangle;
+use crate::path::BeadKind;
+use crate::path::{PathPoint, SurfacePath};
 
 /// Back from a part of a mesh to the mesh.
 #[derive(Clone, Copy)]
@@ -15,7 +17,7 @@ pub(super) struct OnMesh<'a> {
 impl OnMesh<'_> {
     pub fn point(&self, at: &SurfacePoint) -> SurfacePoint {
         let triangle = self.parents[at.triangle as usize];
-        let (_, barycentric) = nearest_in_triangle(self.mesh, triangle, at.position);
+        let (_, barycentric) = on_mesh_triangle(self.mesh, triangle, at.position);
         SurfacePoint { triangle, barycentric, position: at.position }
     }
 

@@ -3,8 +3,8 @@
 //! Both functions are linear over triangles, so the cuts are straight there. A cut that would pass very near a vertex is moved away from
 //! it a little: pieces are then no slivers beyond what the mesh had.
 
-use crate::contour::nearest_in_triangle;
 use crate::level_set::LevelField;
+use crate::mesh::on_mesh_triangle;
 use crate::mesh::{MeshError, SurfaceMesh};
 use nalgebra::Point3;
 use std::collections::BTreeMap;
@@ -42,7 +42,7 @@ impl Sheet {
         for (corners, &parent) in field.triangles.iter().zip(field.parents()) {
             let at = mesh.triangles()[parent as usize].map(|v| skin[v as usize] - overlap);
             for &v in corners {
-                let (_, weights) = nearest_in_triangle(mesh, parent, field.points[v as usize]);
+                let (_, weights) = on_mesh_triangle(mesh, parent, field.points[v as usize]);
                 values[v as usize][1] = at[0] * weights[0] + at[1] * weights[1] + at[2] * weights[2];
             }
         }

@@ -6,6 +6,7 @@
 //!
 //! Places stand in a grid of cells as wide as the reach, so one is found among those of 27 cells.
 
+use crate::cells::cell_of;
 use nalgebra::{Point3, UnitVector3};
 
 /// Reaches and coordinates beyond this, in millimetres, are refused: numbers of cells stay exact.
@@ -82,14 +83,10 @@ impl DirectionHints {
         }
         let mut hints = DirectionHints { reach: reach_mm, places: Vec::with_capacity(known.len()) };
         for (number, &(at, direction)) in known.iter().enumerate() {
-            hints.places.push((hints.cell(at), Place { number, at, direction }));
+            hints.places.push((cell_of(at, reach_mm), Place { number, at, direction }));
         }
         hints.places.sort_by_key(|&(cell, _)| cell);
         Ok(hints)
-    }
-
-    fn cell(&self, p: Point3<f64>) -> [i64; 3] {
-        [p.x, p.y, p.z].map(|c| (c / self.reach).floor() as i64)
     }
 
     /// The direction of the nearest point within reach, if there is one; of several as near the first given.
@@ -97,7 +94,7 @@ impl DirectionHints {
         if self.places.is_empty() {
             return None;
         }
-        let [x, y, z] = self.cell(p);
+        let [x, y, z] = cell_of(p, self.reach);
         let mut best: Option<(f64, &Place)> = None;
         for [x, y] in (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| [x, y])) {
             // The three cells along z stand beside each other.

@@ -3,7 +3,8 @@
 //! Boxes are halved at the median of their longest side. The *keys* of triangles (their layer, or a finer time at
 //! which they are built) are kept beside the tree, with their range in each box: other keys need no other tree.
 
-use super::triangle::{Triangle, closest_in_triangle};
+use super::triangle::Triangle;
+use crate::mesh::on_triangle;
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
 
@@ -155,7 +156,7 @@ impl Tree {
                 if !keys.contains(&by.of_triangle[triangle]) {
                     continue;
                 }
-                let point = closest_in_triangle(&self.triangles[triangle].corners, p);
+                let point = on_triangle(&self.triangles[triangle].corners, p);
                 let distance = (point - p).norm_squared();
                 let better = distance < bound || (distance <= bound && best.is_none_or(|b| triangle < b.triangle));
                 if better && accept(point, &self.triangles[triangle]) {
@@ -185,7 +186,7 @@ impl Tree {
                 continue;
             }
             for triangle in node.range().filter(|&triangle| keys.contains(&by.of_triangle[triangle])) {
-                if (closest_in_triangle(&self.triangles[triangle].corners, p) - p).norm_squared() <= bound {
+                if (on_triangle(&self.triangles[triangle].corners, p) - p).norm_squared() <= bound {
                     each(triangle);
                 }
             }

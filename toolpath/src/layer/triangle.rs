@@ -30,28 +30,3 @@ impl Triangle {
         (b - a).cross(&(c - a))
     }
 }
-
-/// The point of a triangle that is closest to `p`.
-///
-/// Over the plane of the triangle there are seven cases: inside, beside an edge, before a corner. A point that is beside
-/// no edge inward of its ends is before a corner, so it is enough to look at edges that have `p` on their outer side.
-pub(crate) fn closest_in_triangle(corners: &[Point3<f64>; 3], p: Point3<f64>) -> Point3<f64> {
-    let [a, b, c] = corners;
-    let normal = (b - a).cross(&(c - a));
-    let whole = normal.norm_squared();
-    let mut best = (f64::INFINITY, *a);
-    let mut inside = true;
-    for [from, to] in [[a, b], [b, c], [c, a]] {
-        let edge = to - from;
-        if edge.cross(&(p - from)).dot(&normal) < 0.0 {
-            inside = false;
-            let share = ((p - from).dot(&edge) / edge.norm_squared()).clamp(0.0, 1.0);
-            let there = from + edge * share;
-            let distance = (p - there).norm_squared();
-            if distance < best.0 {
-                best = (distance, there);
-            }
-        }
-    }
-    if inside { p - normal * (normal.dot(&(p - a)) / whole) } else { best.1 }
-}

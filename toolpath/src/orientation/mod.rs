@@ -22,7 +22,7 @@ mod toward;
 
 pub use pose::Pose;
 pub(crate) use pose::{farthest, lean};
-pub(crate) use smooth::{ROUNDING, along, angle, between, part_way};
+pub(crate) use smooth::{TURN_ROUNDING, along, angle, between, part_way};
 
 use crate::layer::LayerStack;
 use crate::path::BeadKind;
@@ -422,7 +422,7 @@ fn sharp_turns(paths: &[ToolPath], limit: f64) -> Vec<SharpTurn> {
     let of_path = |(path, waypoints): (usize, &ToolPath)| -> Vec<SharpTurn> {
         let turn = |(waypoint, pair): (usize, &[Waypoint])| {
             let angle = angle(&pair[0].direction, &pair[1].direction);
-            (angle > limit + ROUNDING).then_some(SharpTurn { path, waypoint, angle })
+            (angle > limit + TURN_ROUNDING).then_some(SharpTurn { path, waypoint, angle })
         };
         waypoints.waypoints.windows(2).enumerate().filter_map(turn).collect()
     };

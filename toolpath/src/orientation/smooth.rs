@@ -11,7 +11,7 @@ use nalgebra::{Unit, UnitVector3};
 const OPPOSITE: f64 = 1e-6;
 
 /// Turns that are too sharp by no more than this, in radians, are not: rounding.
-pub(crate) const ROUNDING: f64 = 1e-9;
+pub(crate) const TURN_ROUNDING: f64 = 1e-9;
 
 /// The angle between two directions; exact for small ones, too.
 pub(crate) fn angle(a: &UnitVector3<f64>, b: &UnitVector3<f64>) -> f64 {
@@ -54,7 +54,7 @@ pub(super) fn low_pass(directions: &mut [UnitVector3<f64>], limit: f64, rounds: 
 
 /// The waypoints to be put between two that differ by more than `limit`, evenly; none if they do not or are opposite.
 pub(crate) fn between(from: &Waypoint, to: &Waypoint, limit: f64) -> Vec<Waypoint> {
-    let parts = (angle(&from.direction, &to.direction) / limit - ROUNDING).ceil().max(1.0) as usize;
+    let parts = (angle(&from.direction, &to.direction) / limit - TURN_ROUNDING).ceil().max(1.0) as usize;
     (1..parts).filter_map(|k| part_way(from, to, k as f64 / parts as f64)).collect()
 }
 

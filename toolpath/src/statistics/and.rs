@@ -1,6 +1,6 @@
 //! Figures of two surfaces that have nothing in common, as those of one.
 
-use super::{Gap, PathStatistics};
+use super::figures::{Gap, PathStatistics};
 
 impl PathStatistics {
     /// Of a surface without area: nothing is left to fill.

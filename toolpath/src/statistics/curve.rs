@@ -1,8 +1,9 @@
 //! What is measured of each curve by itself: its pieces on the surface, its length and its turns.
 
+use super::error::StatisticsError;
+use super::figures::{BeadCurve, CurveStatistics, StatisticsOptions};
 use super::sheet::Sheet;
 use super::trace::{Hop, Spot, Tracer, flat_point};
-use super::{BeadCurve, CurveStatistics, StatisticsError, StatisticsOptions};
 use nalgebra::{Vector2, Vector3};
 use std::collections::VecDeque;
 use std::f64::consts::PI;

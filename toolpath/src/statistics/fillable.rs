@@ -8,7 +8,7 @@
 //!
 //! The beads that were laid have no part in it.
 
-use super::StatisticsError;
+use super::error::StatisticsError;
 use super::gap::rim;
 use super::raster::Raster;
 use super::walk::{Image, Visit, Walker, to_segment};

@@ -4,9 +4,10 @@
 //! edge of the boundary, a walk goes through triangles as long as it brings bare samples nearer to something.
 
 use super::curve::Piece;
+use super::error::StatisticsError;
+use super::figures::Gap;
 use super::raster::{Arc, Raster};
 use super::walk::{Image, Visit, Walker};
-use super::{Gap, StatisticsError};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 

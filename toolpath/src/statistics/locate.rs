@@ -1,4 +1,6 @@
 //! The point of the surface next to a point in space: a tree of boxes over the triangles.
+//!
+//! A tree of its own, beside that of `layer`: statistics judge paths, and share no code with what makes them.
 
 use super::sheet::Sheet;
 use nalgebra::Vector3;

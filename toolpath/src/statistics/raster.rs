@@ -9,8 +9,8 @@
 //! from `p` to `q`, of length `l`, satisfies `|x - p(s)| <= r + k s` for some `0 <= s <= l`: a quadratic inequality whose
 //! solutions are the arc that covers the sample. Of all such arcs each sample keeps the first and the last place.
 
-use super::StatisticsError;
 use super::curve::Piece;
+use super::error::StatisticsError;
 use super::sheet::Sheet;
 use super::walk::{Image, Visit, Walker};
 use nalgebra::{Vector2, Vector3};

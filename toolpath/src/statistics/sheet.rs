@@ -4,7 +4,7 @@
 //! `y >= 0`. Across an edge a rigid map (with a reflection where the neighbour is turned over) leads from one frame into
 //! the next, so a straight line goes on straight. Triangles without area are kept: they hold their neighbours together.
 
-use super::StatisticsError;
+use super::error::StatisticsError;
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 
 /// A triangle laid flat.

@@ -24,6 +24,11 @@ pub fn formats(page: Option<&str>) -> String {
     pages.into_iter().map(|page| fs::read_to_string(page).unwrap()).collect()
 }
 
+/// Where the keys of summaries of `curved_layers` stand: settings have the page of profiles.
+pub fn summary_keys() -> String {
+    formats(Some("summary.md")) + &formats(Some("profiles.md"))
+}
+
 /// What a page on formats says of an example: its section, up to the next one.
 pub fn format_section(page: &str, example: &str) -> String {
     let text = formats(Some(page));

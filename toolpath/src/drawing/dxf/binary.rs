@@ -3,9 +3,9 @@
 //! AutoCAD R12 and before has codes of one byte, with 255 before a code of two; later ones have two bytes always. What follows
 //! depends on the code: the table of group codes in the DXF reference.
 
-use super::pairs::{LONGEST_TEXT, Pair};
+use super::error::{DxfError, Place};
+use super::pair::{LONGEST_TEXT, Pair};
 use super::text::Decoder;
-use super::{DxfError, Place};
 use std::io::{BufRead, ErrorKind, Read};
 
 const SENTINEL: &[u8; 22] = b"AutoCAD Binary DXF\r\n\x1a\0";

@@ -4,9 +4,10 @@
 //! of entities.
 
 use super::entities::{Insert, Shape, shape_of};
+use super::error::{DxfError, Place};
 use super::layers::{Hidden, HiddenLayers};
-use super::pairs::{Record, Records};
-use super::{DxfError, File, Place, next_in_section};
+use super::pair::Record;
+use super::pairs::{Records, next_in_section};
 use crate::drawing::curve::{Affine, Curve};
 use crate::drawing::drawing::{Drawing, Entity};
 use crate::drawing::skipped::Skips;
@@ -18,6 +19,16 @@ const DEEPEST: usize = 32;
 
 /// Most segments, arcs and control points of a drawing: some 100 MB. A design has thousands.
 const MAX_CURVES: u64 = 1_000_000;
+
+/// What a file has beside its entities.
+#[derive(Default)]
+pub(super) struct File {
+    pub unit_mm: Option<f64>,
+    pub notes: Vec<String>,
+    pub hidden: HiddenLayers,
+    /// By name in small letters: names of blocks are equal without regard to case.
+    pub blocks: BTreeMap<String, Contents>,
+}
 
 /// Something that a section or a block contains.
 #[derive(Clone, Debug)]

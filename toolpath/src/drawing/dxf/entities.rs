@@ -1,7 +1,8 @@
 //! Entities of a DXF file as curves.
 
-use super::pairs::Record;
-use super::{Fault, fit};
+use super::error::Fault;
+use super::fit;
+use super::pair::Record;
 use crate::drawing::curve::{Affine, Curve};
 use nalgebra::{Matrix2, Point2, Vector2, Vector3};
 use std::f64::consts::TAU;

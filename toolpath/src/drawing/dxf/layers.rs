@@ -1,6 +1,6 @@
 //! The table of layers: which of them are off or frozen.
 
-use super::pairs::Record;
+use super::pair::Record;
 use std::collections::BTreeMap;
 
 /// Why a layer is not shown.

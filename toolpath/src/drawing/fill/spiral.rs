@@ -6,6 +6,7 @@
 //! fills a region of any shape without a stop; neighbouring loops are followed in opposite directions.
 
 use crate::drawing::polygon::{Ring, Shape, ring_area};
+use crate::union_find::{join, root};
 use nalgebra::Point2;
 
 /// Bridges are at most this many beads long. Loops of neighbouring levels are one bead apart, those of one level on both sides of
@@ -134,14 +135,14 @@ pub(super) fn joined(levels: &[Vec<Shape>], bead: f64) -> Vec<Ring> {
         }
     }
     pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-    let mut tree: Vec<usize> = (0..loops.len()).collect();
+    let mut trees: Vec<u32> = (0..loops.len() as u32).collect();
     for (_, a, b) in pairs {
-        let (root_a, root_b) = (root(&tree, a), root(&tree, b));
-        if root_a != root_b && bridge(&mut loops, a, b, bead) {
-            tree[root_a.max(root_b)] = root_a.min(root_b);
+        let [one, other] = [a, b].map(|k| root(&mut trees, k as u32));
+        if one != other && bridge(&mut loops, a, b, bead) {
+            join(&mut trees, one, other);
         }
     }
-    let roots = (0..loops.len()).filter(|&k| root(&tree, k) == k);
+    let roots = (0..loops.len()).filter(|&k| trees[k] as usize == k);
     roots
         .map(|first| {
             let mut out = Vec::new();
@@ -153,13 +154,6 @@ pub(super) fn joined(levels: &[Vec<Shape>], bead: f64) -> Vec<Ring> {
             out.iter().map(|p| [p.x, p.y]).collect()
         })
         .collect()
-}
-
-fn root(tree: &[usize], mut at: usize) -> usize {
-    while tree[at] != at {
-        at = tree[at];
-    }
-    at
 }
 
 /// The least distance from a place on the shorter loop to the other one; infinite if their boxes are too far apart.

@@ -24,10 +24,11 @@ mod turns;
 
 use super::built::{after, before};
 use super::deepest::{Contact, Scene, Stand};
+use super::gouge::Gouge;
+use super::options::GougingOptions;
 use super::tilt::Points;
-use super::{Gouge, GougingOptions};
 use crate::layer::DirectionHints;
-use crate::orientation::{ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
+use crate::orientation::{TURN_ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -47,7 +48,7 @@ const LOOKS: [f64; 7] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875];
 const DIVISIONS: usize = 3;
 
 /// What is near a way is gathered with this much to spare, in millimetres and radians.
-const NEAR_ROUNDING: f64 = 1e-9;
+const REACH_TO_SPARE: f64 = 1e-9;
 
 /// Rounds of step 4, and how far around a tilted waypoint it goes.
 const MEANS: usize = 6;
@@ -361,7 +362,7 @@ impl Walker<'_> {
 
     /// Whether some waypoint turns too far from the one before.
     fn is_sharp(&self) -> bool {
-        (1..self.steps.len()).any(|k| self.turn(k - 1, k) > self.limit(k - 1, k) + ROUNDING)
+        (1..self.steps.len()).any(|k| self.turn(k - 1, k) > self.limit(k - 1, k) + TURN_ROUNDING)
     }
 
     /// Step 2.
@@ -377,14 +378,14 @@ impl Walker<'_> {
     /// Turns waypoint `k` toward `leader` until they differ by no more than the limit, if that is free.
     fn follow(&mut self, leader: usize, k: usize) {
         let (limit, turn) = (self.limit(leader, k), self.turn(leader, k));
-        if turn <= limit + ROUNDING || self.steps[k].is_fixed() {
+        if turn <= limit + TURN_ROUNDING || self.steps[k].is_fixed() {
             return;
         }
         let [from, to] = [leader, k].map(|k| self.steps[k].waypoint.direction);
         let Some(nearer) = along(&from, &to, limit / turn) else {
             return;
         };
-        let within = |direction: &UnitVector3<f64>| angle(&from, direction) <= limit + ROUNDING;
+        let within = |direction: &UnitVector3<f64>| angle(&from, direction) <= limit + TURN_ROUNDING;
         self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
         if let Some(direction) = free.filter(within) {
@@ -399,7 +400,7 @@ impl Walker<'_> {
         let helps = |last: &Step, step: &Step| {
             let way = (step.waypoint.tip - last.waypoint.tip).norm();
             let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
-            turn > limit + ROUNDING && turn <= self.options.max_turn_per_mm * way + ROUNDING
+            turn > limit + TURN_ROUNDING && turn <= self.options.max_turn_per_mm * way + TURN_ROUNDING
         };
         let long: Vec<bool> = self.steps.windows(2).map(|pair| helps(&pair[0], &pair[1])).collect();
         if !long.contains(&true) {
@@ -497,8 +498,8 @@ impl Walker<'_> {
         let moves = 0.5 * (step.waypoint.tip - last.waypoint.tip);
         let along = moves.dot(&middle.direction).abs();
         let across = (moves.norm_squared() - along * along).max(0.0).sqrt();
-        let moves = [along, across].map(|moves| moves + NEAR_ROUNDING);
-        let turns = 0.5 * angle(&last.waypoint.direction, &step.waypoint.direction) + NEAR_ROUNDING;
+        let moves = [along, across].map(|moves| moves + REACH_TO_SPARE);
+        let turns = 0.5 * angle(&last.waypoint.direction, &step.waypoint.direction) + REACH_TO_SPARE;
         self.scene.near(stand, &middle.direction, moves, turns, &mut self.near);
     }
 

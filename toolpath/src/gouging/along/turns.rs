@@ -3,7 +3,7 @@
 use super::{Step, Walker};
 use crate::gouging::GougingOptions;
 use crate::gouging::deepest::Stand;
-use crate::orientation::{ROUNDING, Waypoint, angle, part_way};
+use crate::orientation::{TURN_ROUNDING, Waypoint, angle, part_way};
 
 /// Rounds of step 7 for a pair. Most pairs that meet at all do so in the first two.
 const MEETINGS: usize = 4;
@@ -53,7 +53,7 @@ impl Walker<'_> {
                 length += way(from + 1);
                 let limit = per_mm * f64::max(length, WINDOW_MM);
                 let limit = if from + 1 == k { limit.min(max_turn) } else { limit };
-                if self.turn(from, k) > limit + ROUNDING {
+                if self.turn(from, k) > limit + TURN_ROUNDING {
                     break true;
                 }
                 if from == piece || length >= WINDOW_MM {
@@ -75,7 +75,7 @@ impl Walker<'_> {
     fn meet_at(&mut self, k: usize) -> bool {
         for _ in 0..MEETINGS {
             for (leader, other) in [(k, k - 1), (k - 1, k)] {
-                if self.turn(k - 1, k) <= self.limit(k - 1, k) + ROUNDING {
+                if self.turn(k - 1, k) <= self.limit(k - 1, k) + TURN_ROUNDING {
                     return true;
                 }
                 if self.steps[other].is_fixed() {
@@ -88,7 +88,7 @@ impl Walker<'_> {
                 }
             }
         }
-        self.turn(k - 1, k) <= self.limit(k - 1, k) + ROUNDING
+        self.turn(k - 1, k) <= self.limit(k - 1, k) + TURN_ROUNDING
     }
 
     /// Step 2 from a waypoint and the one before to both ends.

@@ -1,6 +1,6 @@
 //! The upper side of a mesh around the axis: triangles that look up, from the one under the axis over their edges.
 
-use super::UnrollError;
+use super::error::UnrollError;
 use nalgebra::Point3;
 use std::collections::BTreeMap;
 

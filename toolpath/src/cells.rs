@@ -1,0 +1,25 @@
+//! Grids of cubic cells over space.
+
+use nalgebra::Point3;
+
+/// The cell that a place is in, of cells with a side in millimetres; one begins at the origin.
+pub(crate) fn cell_of(at: Point3<f64>, side: f64) -> [i64; 3] {
+    [at.x, at.y, at.z].map(|x| (x / side).floor() as i64)
+}
+
+/// A cell and the 26 around it, by x, then y, then z.
+pub(crate) fn with_neighbours([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    (-1..=1).flat_map(move |i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cell_of;
+    use nalgebra::Point3;
+
+    #[test]
+    fn cells_begin_at_the_origin() {
+        assert_eq!(cell_of(Point3::new(0.0, 1.9, -0.1), 2.0), [0, 0, -1]);
+        assert_eq!(cell_of(Point3::new(2.0, -2.0, -2.1), 2.0), [1, -1, -2]);
+    }
+}
