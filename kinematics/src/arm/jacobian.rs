@@ -82,7 +82,7 @@ impl Arm {
     /// derivatives by the angle (right hand along `direction`), on the branch of `joints`. `None` at a singularity, and where an argument is not finite or so large that a derivative
     /// is not.
     ///
-    /// For the tool angle the line is the nozzle's axis: see [`Cell::tool_rates`](crate::Cell::tool_rates).
+    /// For the tool angle the line is the nozzle's axis: see [`Setup::tool_rates`](crate::Setup::tool_rates).
     pub fn rates_about(&self, joints: &[f64; 6], point: &Point3<f64>, direction: &UnitVector3<f64>) -> Option<Rates> {
         let flange = Point3::from(self.forward(joints).translation.vector);
         let velocity = direction.cross(&(flange - point));

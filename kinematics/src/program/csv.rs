@@ -195,18 +195,7 @@ impl<R: BufRead> Row<R> {
         if !self.lines.next_line()? {
             return Ok(None);
         }
-        let line = self.lines.line().trim_ascii_end();
-        let mut cells = 0;
-        for (at, _) in line.iter().enumerate().filter(|(_, byte)| **byte == b',').chain([(line.len(), &b',')]) {
-            if cells == COLUMNS {
-                return Err(unexpected(&self.lines, at, "24 cells and no more", b","));
-            }
-            self.ends[cells] = at;
-            cells += 1;
-        }
-        if cells < COLUMNS {
-            return Err(unexpected(&self.lines, line.len(), "24 cells", b"the end of the line"));
-        }
+        self.cut()?;
         let kind = self.cell(0);
         let target: fn(Target) -> Goal = match kind {
             b"line" => Goal::Line,
@@ -248,6 +237,30 @@ impl<R: BufRead> Row<R> {
                 ));
             }
         };
+        let goal = target(self.target()?);
+        self.blank(JOINTS..TABLE)?;
+        self.rest(goal).map(Some)
+    }
+
+    /// Finds the cells of the line: exactly as many as there are columns.
+    fn cut(&mut self) -> Result<(), ReadError> {
+        let line = self.lines.line().trim_ascii_end();
+        let mut cells = 0;
+        for (at, _) in line.iter().enumerate().filter(|(_, byte)| **byte == b',').chain([(line.len(), &b',')]) {
+            if cells == COLUMNS {
+                return Err(unexpected(&self.lines, at, "24 cells and no more", b","));
+            }
+            self.ends[cells] = at;
+            cells += 1;
+        }
+        if cells < COLUMNS {
+            return Err(unexpected(&self.lines, line.len(), "24 cells", b"the end of the line"));
+        }
+        Ok(())
+    }
+
+    /// The pose and the configuration data of a line.
+    fn target(&self) -> Result<Target, ReadError> {
         let [x, y, z, w, i, j, k] = self.numbers::<7>(POSE)?;
         let quaternion = Quaternion::new(w, i, j, k);
         let length = quaternion.norm();
@@ -263,8 +276,7 @@ impl<R: BufRead> Row<R> {
             *entry = whole.ok_or_else(|| unexpected(&self.lines, self.start(CONF + k), "a whole number", text))?;
         }
         let [cf1, cf4, cf6, cfx] = conf;
-        self.blank(JOINTS..TABLE)?;
-        self.rest(target(Target { pose, conf: ConfData { cf1, cf4, cf6, cfx } })).map(Some)
+        Ok(Target { pose, conf: ConfData { cf1, cf4, cf6, cfx } })
     }
 
     /// Table, speed and zone.

@@ -10,6 +10,7 @@ use super::postures::{Chosen, Prepared, Section};
 use super::run_plan::{RunPlan, Task, Timed, path_deviations};
 use super::workcell::{OnPath, PrintRobot, PrintWorkcell, Waypoint};
 use crate::{Avoid, Bounds, GlobalOptions, LadderNode, MIN_WAYPOINTS, RunIn, Timeline, smooth_clear_of};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// Seconds of each piece of the run-in and run-out with which the filter smooths. They are not executed; shorter ones let
@@ -56,7 +57,7 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
         took: *took,
     };
     for (Section { first, waypoints, times, .. }, ladder) in sections.iter().zip(&chosen.ladders) {
-        let of_path = |waypoint: usize| kept[first + waypoint];
+        let of_section: Vec<usize> = kept[*first..*first + waypoints.len()].to_vec();
         let fault = |kind, waypoint: usize, what: &str| Fault {
             layer: *layer,
             path: *path,
@@ -64,22 +65,14 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             waypoint,
             what: what.to_owned(),
         };
-        let mut run_plans: Vec<(RunPlan<N, F>, bool)> = Vec::new();
-        for run in ladder.runs() {
-            let mut run_plan = RunPlan {
-                waypoints: waypoints[run.clone()].to_vec(),
-                times: times[run.clone()].to_vec(),
-                nodes: ladder.nodes[run.clone()].to_vec(),
-                path: *path,
-                of: run.map(of_path).collect(),
-            };
-            let is_joined = match run_plans.last_mut() {
-                Some((before, _)) => RunPlan::meet(before, &mut run_plan, task, workcell),
-                None => true,
-            };
-            run_plans.push((run_plan, is_joined));
-        }
-        for (run_plan, is_joined) in run_plans {
+        let whole = RunPlan {
+            waypoints: waypoints.clone(),
+            times: times.clone(),
+            nodes: ladder.nodes.clone(),
+            path: *path,
+            of: of_section,
+        };
+        for (run_plan, is_joined) in run_plans(&whole, ladder.runs(), task, workcell) {
             let is_alone = run_plan.times.len() < 2;
             if is_alone || !is_joined {
                 let what = if is_alone { "a waypoint on its own" } else { "" };
@@ -91,32 +84,75 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             let [began, ends] = [run_plan.times[0], run_plan.times[run_plan.times.len() - 1]];
             planned.planned_s += ends - began;
             let (run_plan, motion) = planned_motion(run_plan, of_print, task, workcell)?;
-            planned.min_pace = planned.min_pace.min(motion.min_pace);
-            planned.slow_runs += usize::from(!motion.is_fastest);
-            let missed = |(waypoint, node): (&Waypoint, &LadderNode<N, F>)| {
-                let nozzle = task.robot.nozzle(&node.joints);
-                nozzle.map_or(f64::INFINITY, |nozzle| (nozzle.translation.vector - waypoint.position.coords).norm())
-            };
-            planned.missed_mm =
-                run_plan.waypoints.iter().zip(&run_plan.nodes).map(missed).fold(planned.missed_mm, f64::max);
-            let off = path_deviations(task.robot, &run_plan.waypoints, &motion.trajectory, &motion.times(), 0.0);
-            planned.deviation_mm = off.into_iter().fold(planned.deviation_mm, f64::max);
+            planned.measure(&run_plan, &motion, task);
             planned.faults.extend(run_plan.deviating(&motion, task).into_iter().map(|(step, mm)| {
                 fault(FaultKind::PathDeviation, run_plan.of[step], &format!("{mm:.2} mm off the way to the next"))
             }));
-            let end = |k: usize| (run_plan.nodes[k].free, run_plan.waypoints[k]);
-            let ends = [end(0), end(run_plan.nodes.len() - 1)];
-            let is_given = |k: usize| k == 0 || run_plan.of[k] != run_plan.of[k - 1];
-            let pass = |(k, &knot)| (knot, is_given(k).then(|| run_plan.of[k]));
-            let passes = motion.knots.iter().enumerate().map(pass).collect();
-            let laid = |time: &f64| of_print.filament(*time) - of_print.filament(began);
-            let filament_mm = motion.planned.iter().map(laid).collect();
-            let trajectory = motion.trajectory;
-            planned.runs.push(Run { path: *path, layer: *layer, ends, passes, filament_mm, trajectory });
+            planned.runs.push(run_of(&run_plan, motion, *layer, of_print, began));
         }
     }
     planned.took += start.elapsed();
     Ok(planned)
+}
+
+/// The plans of the runs of a section, each with whether it begins where the one before ends. A run is moved to meet the one before where
+/// that is free; the first has none to meet.
+fn run_plans<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    whole: &RunPlan<N, F>,
+    runs: impl Iterator<Item = Range<usize>>,
+    task: &Task<'_, N, F, R>,
+    workcell: &impl PrintWorkcell<N>,
+) -> Vec<(RunPlan<N, F>, bool)> {
+    let mut run_plans: Vec<(RunPlan<N, F>, bool)> = Vec::new();
+    for run in runs {
+        let mut run_plan = RunPlan {
+            waypoints: whole.waypoints[run.clone()].to_vec(),
+            times: whole.times[run.clone()].to_vec(),
+            nodes: whole.nodes[run.clone()].to_vec(),
+            path: whole.path,
+            of: whole.of[run].to_vec(),
+        };
+        let is_joined = match run_plans.last_mut() {
+            Some((before, _)) => RunPlan::meet(before, &mut run_plan, task, workcell),
+            None => true,
+        };
+        run_plans.push((run_plan, is_joined));
+    }
+    run_plans
+}
+
+impl<const N: usize, const F: usize> Planned<N, F> {
+    /// Notes how far a motion is from its waypoints and its way, and how fast it is.
+    fn measure<R: PrintRobot<N, F>>(&mut self, run_plan: &RunPlan<N, F>, motion: &Timed<N>, task: &Task<'_, N, F, R>) {
+        self.min_pace = self.min_pace.min(motion.min_pace);
+        self.slow_runs += usize::from(!motion.is_fastest);
+        let missed = |(waypoint, node): (&Waypoint, &LadderNode<N, F>)| {
+            let nozzle = task.robot.nozzle(&node.joints);
+            nozzle.map_or(f64::INFINITY, |nozzle| (nozzle.translation.vector - waypoint.position.coords).norm())
+        };
+        self.missed_mm = run_plan.waypoints.iter().zip(&run_plan.nodes).map(missed).fold(self.missed_mm, f64::max);
+        let off = path_deviations(task.robot, &run_plan.waypoints, &motion.trajectory, &motion.times(), 0.0);
+        self.deviation_mm = off.into_iter().fold(self.deviation_mm, f64::max);
+    }
+}
+
+/// The run of a motion. A waypoint that was put between two given ones counts for none of them; filament is counted from the time at which
+/// the run began as planned.
+fn run_of<const N: usize, const F: usize>(
+    run_plan: &RunPlan<N, F>,
+    motion: Timed<N>,
+    layer: u32,
+    of_print: &PrintPath<'_>,
+    began: f64,
+) -> Run<N, F> {
+    let end = |k: usize| (run_plan.nodes[k].free, run_plan.waypoints[k]);
+    let ends = [end(0), end(run_plan.nodes.len() - 1)];
+    let is_given = |k: usize| k == 0 || run_plan.of[k] != run_plan.of[k - 1];
+    let pass = |(k, &knot)| (knot, is_given(k).then(|| run_plan.of[k]));
+    let passes = motion.knots.iter().enumerate().map(pass).collect();
+    let laid = |time: &f64| of_print.filament(*time) - of_print.filament(began);
+    let filament_mm = motion.planned.iter().map(laid).collect();
+    Run { path: run_plan.path, layer, ends, passes, filament_mm, trajectory: motion.trajectory }
 }
 
 /// A motion along a run that touches nothing and stays on its way, with as many waypoints as that takes: the smooth one, else

@@ -189,7 +189,7 @@ impl<const N: usize, const F: usize> RunPlan<N, F> {
         (split.times.len() > self.times.len()).then_some(split)
     }
 
-    /// Lets two run_plans meet, of which one follows the other on the path: the second begins where the first ends, or the first
+    /// Lets two run plans meet, of which one follows the other on the path: the second begins where the first ends, or the first
     /// goes on to where the second begins. So a path that breaks off between two waypoints, since a joint has come to a
     /// stop, is printed whole. Returns whether the arm can do one of the two.
     pub fn meet<R: PrintRobot<N, F>>(

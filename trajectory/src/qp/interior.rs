@@ -120,31 +120,7 @@ impl<'a> Interior<'a> {
                 break end;
             }
             iterations += 1;
-            let mean = if count > 0 { products / count as f64 } else { 0.0 };
-            self.system.assemble(self.sides.iter_mut().map(|side| (side.row, side.weigh())));
-            // Predictor.
-            self.aim(|_| 0.0);
-            let (mut dx, mut dl) =
-                self.direction(&residuals, 1.0, if count > 0 { PREDICTOR_TOLERANCE } else { REFINEMENT_TOLERANCE });
-            if count > 0 {
-                let reach = self.reach().min(1.0);
-                let after = self.complementarity_after(reach) / count as f64;
-                // Not below what is asked for: there is nothing to gain, and the weights lose their digits.
-                let least = (0.1 * options.tolerance * scale_value / count as f64).min(mean);
-                let kept = (after / mean).powi(3).min(1.0);
-                let centre = (kept * mean).max(least);
-                // The products at the end of the predictor's feasible step.
-                self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MAX_CENTRALITY_RATIO * mean));
-                (dx, dl) = self.direction(&residuals, 1.0 - kept, REFINEMENT_TOLERANCE);
-                let reach = self.reach();
-                if reach < MIN_CORRECTED_STEP
-                    || self.complementarity_after((BOUNDARY_FRACTION * reach).min(1.0)) > products
-                {
-                    // They mislead from a badly centred point: back to the middle.
-                    self.aim(|_| CENTERING * mean);
-                    (dx, dl) = self.direction(&residuals, CENTERING, REFINEMENT_TOLERANCE);
-                }
-            }
+            let (dx, dl) = self.steps(&residuals, (products, count), 0.1 * options.tolerance * scale_value);
             let reach = self.reach();
             let step = if reach >= 1.0 / BOUNDARY_FRACTION { 1.0 } else { BOUNDARY_FRACTION * reach };
             stuck = if step < 1e-6 { stuck + 1 } else { 0 };
@@ -160,6 +136,37 @@ impl<'a> Interior<'a> {
             residuals = self.residuals(&x, &multipliers);
         };
         self.finish(status, x, &multipliers, iterations)
+    }
+
+    /// The steps of variables and multipliers: a predictor aims at products of zero; by how far they fall the corrector chooses the middle
+    /// to aim at, and takes in what the predictor's steps multiply to (S. Mehrotra, SIAM J. Optim. 2(4), 1992). `enough` is the sum of products
+    /// below which there is nothing to gain.
+    fn steps(&mut self, residuals: &Residuals, (products, count): (f64, usize), enough: f64) -> (Vec<f64>, Vec<f64>) {
+        let mean = if count > 0 { products / count as f64 } else { 0.0 };
+        self.system.assemble(self.sides.iter_mut().map(|side| (side.row, side.weigh())));
+        // Predictor.
+        self.aim(|_| 0.0);
+        let (mut dx, mut dl) =
+            self.direction(residuals, 1.0, if count > 0 { PREDICTOR_TOLERANCE } else { REFINEMENT_TOLERANCE });
+        if count > 0 {
+            let reach = self.reach().min(1.0);
+            let after = self.complementarity_after(reach) / count as f64;
+            // Not below what is asked for: there is nothing to gain, and the weights lose their digits.
+            let least = (enough / count as f64).min(mean);
+            let kept = (after / mean).powi(3).min(1.0);
+            let centre = (kept * mean).max(least);
+            // The products at the end of the predictor's feasible step.
+            self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MAX_CENTRALITY_RATIO * mean));
+            (dx, dl) = self.direction(residuals, 1.0 - kept, REFINEMENT_TOLERANCE);
+            let reach = self.reach();
+            if reach < MIN_CORRECTED_STEP || self.complementarity_after((BOUNDARY_FRACTION * reach).min(1.0)) > products
+            {
+                // They mislead from a badly centred point: back to the middle.
+                self.aim(|_| CENTERING * mean);
+                (dx, dl) = self.direction(residuals, CENTERING, REFINEMENT_TOLERANCE);
+            }
+        }
+        (dx, dl)
     }
 
     /// Sets what each product `s z` and `p w` shall become: a number made from the product of their last steps.

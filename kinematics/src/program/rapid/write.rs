@@ -13,6 +13,7 @@ use crate::program::{
 };
 use nalgebra::{Isometry3, Point3};
 use std::io::Write;
+use std::iter::Peekable;
 
 /// What [`write_rapid`] has written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,11 +76,9 @@ pub fn write_rapid<W: Write>(
     let mut written = RapidWritten { modules: 0, moves: 0, stops_added: 0, seconds: 0.0 };
     let mut clock = Clock::default();
     let work_tool = |joints: &[f64; 6], table| options.work_tool(joints, table);
-    let mut used = Used::default();
+    let mut outputs = Outputs::default();
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
-    // Switched by the digital output, or by the speed of the filament in a program without one.
-    let (mut on, mut fed, mut head) = (None, false, [false; HeadSignal::ALL.len()]);
     let on_path = options.switching != RapidSwitching::Between;
     // What waits for the line behind it.
     let mut waiting = Waiting::default();
@@ -104,16 +103,9 @@ pub fn write_rapid<W: Write>(
                     current.send_waiting(&mut waiting, options);
                 }
                 let mut signals = std::mem::take(&mut waiting);
-                // What goes off behind a line does so at its end.
-                let mut ends = Waiting::default();
-                while let Some(off) =
-                    steps.next_if(|next| is_line && place(next) == Some(Place::End) && !ends.has(next))
-                {
-                    checker.check(&off)?;
-                    used.note(&off, &mut on, &mut fed);
-                    ends.0.push(off);
+                if is_line {
+                    signals.0.append(&mut ends_of_line(&mut steps, &mut checker, &mut outputs)?);
                 }
-                signals.0.append(&mut ends.0);
                 let last = current.moves >= options.moves_per_module || steps.peek().is_none();
                 if last && to.zone != Zone::Stop {
                     to.zone = Zone::Stop;
@@ -124,7 +116,7 @@ pub fn write_rapid<W: Write>(
                 write_move(&mut current.text, to, &signals.0, &end);
             }
             signal @ (Step::Extruder(_) | Step::FilamentSpeed(_)) => {
-                used.note(signal, &mut on, &mut fed);
+                outputs.note(signal);
                 let waits = on_path && place(signal) == Some(Place::Begin);
                 if !waits || waiting.has(signal) {
                     current.send_waiting(&mut waiting, options);
@@ -137,8 +129,7 @@ pub fn write_rapid<W: Write>(
             }
             Step::Signal { signal, on } => {
                 current.send_waiting(&mut waiting, options);
-                used.head[signal.number()] = true;
-                head[signal.number()] = *on;
+                outputs.set(*signal, *on);
                 write_signal(&mut current.text, *signal, *on);
             }
             Step::Wait(input) => {
@@ -153,8 +144,7 @@ pub fn write_rapid<W: Write>(
             steps.peek(),
             Some(Step::Extruder(_) | Step::FilamentSpeed(_) | Step::Signal { .. } | Step::Wait(_))
         );
-        let presses = head[HeadSignal::Press.number()];
-        let idle = at_rest && !on.unwrap_or(fed) && !presses && !signal_next;
+        let idle = at_rest && !outputs.is_working() && !signal_next;
         let early = current.moves > most - most / 4 && idle;
         if current.text.0.len() > CHUNK {
             current.send()?;
@@ -169,7 +159,7 @@ pub fn write_rapid<W: Write>(
     module.take().map_or(Ok(()), Module::end)?;
     checker.finish()?;
     written.seconds = clock.seconds;
-    write_main(options, &written, used, &mut open)?;
+    write_main(options, &written, outputs.used, &mut open)?;
     Ok(written)
 }
 
@@ -181,15 +171,54 @@ struct Used {
     head: [bool; HeadSignal::ALL.len()],
 }
 
-impl Used {
-    /// Notes a signal of the extruder or the filament, and what it leaves on.
-    fn note(&mut self, signal: &Step, on: &mut Option<bool>, fed: &mut bool) {
+/// The outputs of a program along its steps: which it uses, and what they are now.
+#[derive(Debug, Default)]
+struct Outputs {
+    used: Used,
+    /// The digital output of the extruder, if there is one.
+    on: Option<bool>,
+    /// Whether the filament has a speed.
+    fed: bool,
+    head: [bool; HeadSignal::ALL.len()],
+}
+
+impl Outputs {
+    /// Notes a signal of the extruder or the filament.
+    fn note(&mut self, signal: &Step) {
         match signal {
-            Step::Extruder(to) => (self.switch, *on) = (true, Some(*to)),
-            Step::FilamentSpeed(mm_s) => (self.filament, *fed) = (true, *mm_s > 0.0),
+            Step::Extruder(to) => (self.used.switch, self.on) = (true, Some(*to)),
+            Step::FilamentSpeed(mm_s) => (self.used.filament, self.fed) = (true, *mm_s > 0.0),
             Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => {}
         }
     }
+
+    /// Notes a signal of a tape head.
+    fn set(&mut self, signal: HeadSignal, on: bool) {
+        self.used.head[signal.number()] = true;
+        self.head[signal.number()] = on;
+    }
+
+    /// Whether something is laid or pressed now: there the robot must not wait for the next module. What lays is the digital output, or the
+    /// speed of the filament in a program without one.
+    fn is_working(&self) -> bool {
+        self.on.unwrap_or(self.fed) || self.head[HeadSignal::Press.number()]
+    }
+}
+
+/// The signals that go off behind a line: they come at its end, as its triggers, so they leave the steps together with it. One of each
+/// output at most, since two at one place of a path have no order.
+fn ends_of_line(
+    steps: &mut Peekable<impl Iterator<Item = Step>>,
+    checker: &mut Checker<'_>,
+    outputs: &mut Outputs,
+) -> Result<Vec<Step>, WriteError> {
+    let mut ends = Waiting::default();
+    while let Some(off) = steps.next_if(|next| place(next) == Some(Place::End) && !ends.has(next)) {
+        checker.check(&off)?;
+        outputs.note(&off);
+        ends.0.push(off);
+    }
+    Ok(ends.0)
 }
 
 fn part_name(options: &RapidOptions, number: u32) -> String {

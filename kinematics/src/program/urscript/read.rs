@@ -100,6 +100,64 @@ impl<R: BufRead> UrScriptReader<R> {
     }
 }
 
+/// `servoj([..],t=0.008,lookahead_time=0.03,gain=2000)`, from the bracket on. Look-ahead and gain belong to the controller.
+fn servo(tokens: &mut Tokens<impl BufRead>) -> Result<Step, ReadError> {
+    tokens.marks("(")?;
+    let joints = tokens.numbers("a joint")?;
+    argument(tokens, "t")?;
+    let seconds = tokens.positive("a time", 1.0)?;
+    argument(tokens, "lookahead_time")?;
+    tokens.number()?;
+    argument(tokens, "gain")?;
+    tokens.number()?;
+    tokens.marks(")")?;
+    Ok(Step::Servo { joints, seconds })
+}
+
+/// `set_standard_digital_out(0,True)`, from the bracket on. An output with a name is one of a tape head, a number the extruder's.
+fn digital_output(tokens: &mut Tokens<impl BufRead>) -> Result<Step, ReadError> {
+    tokens.marks("(")?;
+    let output = tokens.peek()?;
+    let signal = signal_of(tokens, output);
+    match signal {
+        Some(_) => _ = tokens.next()?,
+        None => _ = tokens.whole()?,
+    }
+    tokens.marks(",")?;
+    let token = tokens.next()?;
+    let on = tokens.is_word(token, "True");
+    if !on && !tokens.is_word(token, "False") {
+        return Err(tokens.unexpected("True or False", token));
+    }
+    tokens.marks(")")?;
+    Ok(signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on }))
+}
+
+/// `set_standard_analog_out(0,4.5/filament_full_scale)`, from the bracket on, for a full scale of `most`.
+fn filament_speed(tokens: &mut Tokens<impl BufRead>, most: f64) -> Result<Step, ReadError> {
+    tokens.marks("(")?;
+    tokens.whole()?;
+    tokens.marks(",")?;
+    let mm_s = tokens.within("a speed of the filament from 0 to the full scale", 0.0, most)?;
+    tokens.marks("/")?;
+    tokens.expect_word(FULL_SCALE)?;
+    tokens.marks(")")?;
+    Ok(Step::FilamentSpeed(mm_s))
+}
+
+/// The end of the file behind `end`. A file that starts itself calls its function before.
+fn end(tokens: &mut Tokens<impl BufRead>, name: &str) -> Result<(), ReadError> {
+    let mut token = tokens.next()?;
+    if tokens.is_word(token, name) {
+        tokens.marks("()")?;
+        token = tokens.next()?;
+    }
+    match token {
+        Token::End => Ok(()),
+        more => Err(tokens.unexpected("the end of the file", more)),
+    }
+}
+
 /// The next step; `None` at the end of the program.
 fn step(
     tokens: &mut Tokens<impl BufRead>,
@@ -124,44 +182,14 @@ fn step(
             let [rad_s, radius] = speed_and_blend(tokens, 1.0)?;
             return Ok(Some(step_of(goal, Speed { rad_s, ..Speed::default() }, radius)));
         } else if tokens.is_word(token, "servoj") {
-            tokens.marks("(")?;
-            let joints = tokens.numbers("a joint")?;
-            argument(tokens, "t")?;
-            let seconds = tokens.positive("a time", 1.0)?;
-            argument(tokens, "lookahead_time")?;
-            tokens.number()?;
-            argument(tokens, "gain")?;
-            tokens.number()?;
-            tokens.marks(")")?;
-            return Ok(Some(Step::Servo { joints, seconds }));
+            return servo(tokens).map(Some);
         } else if tokens.is_word(token, "set_standard_digital_out") {
-            tokens.marks("(")?;
-            let output = tokens.peek()?;
-            let signal = signal_of(tokens, output);
-            match signal {
-                Some(_) => _ = tokens.next()?,
-                None => _ = tokens.whole()?,
-            }
-            tokens.marks(",")?;
-            let token = tokens.next()?;
-            let on = tokens.is_word(token, "True");
-            if !on && !tokens.is_word(token, "False") {
-                return Err(tokens.unexpected("True or False", token));
-            }
-            tokens.marks(")")?;
-            return Ok(Some(signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on })));
+            return digital_output(tokens).map(Some);
         } else if tokens.is_word(token, "set_standard_analog_out") {
             let Some(most) = *full_scale else {
                 return Err(tokens.unexpected("filament_full_scale before an analog output", token));
             };
-            tokens.marks("(")?;
-            tokens.whole()?;
-            tokens.marks(",")?;
-            let mm_s = tokens.within("a speed of the filament from 0 to the full scale", 0.0, most)?;
-            tokens.marks("/")?;
-            tokens.expect_word(FULL_SCALE)?;
-            tokens.marks(")")?;
-            return Ok(Some(Step::FilamentSpeed(mm_s)));
+            return filament_speed(tokens, most).map(Some);
         } else if tokens.is_word(token, FULL_SCALE) {
             tokens.marks("=")?;
             *full_scale = Some(tokens.positive("a speed of the filament", 1.0)?);
@@ -175,16 +203,7 @@ fn step(
             tokens.number()?;
             tokens.marks(")")?;
         } else if tokens.is_word(token, "end") {
-            let mut token = tokens.next()?;
-            if tokens.is_word(token, name) {
-                // A file that starts itself calls its function.
-                tokens.marks("()")?;
-                token = tokens.next()?;
-            }
-            return match token {
-                Token::End => Ok(None),
-                more => Err(tokens.unexpected("the end of the file", more)),
-            };
+            return end(tokens, name).map(|()| None);
         } else {
             return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal, a wait or end", token));
         }
