@@ -16,8 +16,7 @@
 //!
 //! [`LayerStack::travels`]: crate::layer::LayerStack::travels
 
-use crate::orientation::Pose;
-use crate::orientation::{ToolPath, Waypoint, angle};
+use crate::orientation::{Pose, ToolPath, Waypoint, angle};
 use crate::path::BeadKind;
 use nalgebra::{Point3, UnitVector3};
 use std::collections::BTreeMap;
@@ -251,7 +250,7 @@ impl Deposition {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepositionError {
-    /// An option that is no use.
+    /// An option is out of its range.
     #[error("{option} is {value}: {wanted}")]
     Option {
         /// Its name.

@@ -3,8 +3,7 @@
 //! Segments are a fraction of a bead long, and a surface bends little over that: seen from straight above they cross
 //! if they do on the surface. What lies far above or below belongs to another sheet.
 
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 use nalgebra::{Point3, Vector3};
 
 /// Segments that are nearer than this share of their length touch: so do those that run back along each other exactly.

@@ -4,8 +4,7 @@
 //! bridge leads to another arc. So nothing needs deciding any more when curves are put together.
 
 use super::curve::Loop;
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 
 /// One of the two ends of a cut: where it begins along the ring, or where it ends.
 pub(super) type End = (usize, Side);

@@ -13,8 +13,7 @@
 //! rises steeply. There rings turn around a corner; where it is level they lie side by side.
 
 use crate::level_set::{Around, LevelField, Levels};
-use crate::mesh::SurfacePoint;
-use crate::mesh::{next, previous};
+use crate::mesh::{SurfacePoint, next, previous};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 

@@ -11,8 +11,7 @@ use super::crossing::{cross, normal};
 use super::polyline::Curve;
 use super::segments::Segments;
 use super::watch::Watch;
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 use crate::path::PathError;
 use nalgebra::Vector3;
 

@@ -11,8 +11,7 @@
 //! singular there), up and down mean nothing, and crossings of different edges are joined from the corners on.
 
 use super::near::surface_point;
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 
 /// A curve on a layer along which a tape may be laid.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,7 @@
 //! The point of a layer that is nearest to a point in space, and normals of the layer.
 
 use crate::layer::{Keys, Tree, Triangle};
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 /// The triangles of a layer in a tree, and the normals of its vertices.

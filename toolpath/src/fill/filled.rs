@@ -3,8 +3,7 @@
 use super::support_part::SupportPart;
 use crate::infill::SparseFill;
 use crate::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, StackError};
-use crate::path::BeadKind;
-use crate::path::{LayerPaths, SurfacePath};
+use crate::path::{BeadKind, LayerPaths, SurfacePath};
 use crate::statistics::PathStatistics;
 use nalgebra::Point3;
 

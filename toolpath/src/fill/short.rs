@@ -8,8 +8,7 @@ use super::errors::FillLayersError;
 use super::filled::{FilledLayer, FilledLayers};
 use crate::contour::{Place, carriers};
 use crate::layer::LayerSurface;
-use crate::mesh::SurfacePoint;
-use crate::mesh::{MeshError, SurfaceMesh};
+use crate::mesh::{MeshError, SurfaceMesh, SurfacePoint};
 use crate::path::{LayerPaths, SurfacePath};
 
 /// A bead is carried by an earlier one whose middle is within this many thicknesses of its layer.

@@ -3,8 +3,7 @@
 use super::filled::{FilledLayer, FilledLayers};
 use crate::infill::SparseFill;
 use crate::layer::LayerSurface;
-use crate::path::BeadKind;
-use crate::path::{LayerPaths, SurfacePath};
+use crate::path::{BeadKind, LayerPaths, SurfacePath};
 
 /// Parts of layers without any bead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

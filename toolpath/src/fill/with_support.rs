@@ -7,8 +7,7 @@
 use super::filled::FilledLayer;
 use super::support_part::SupportPart;
 use crate::layer::LayerSurface;
-use crate::path::BeadKind;
-use crate::path::{LayerPaths, PathOptions, SurfacePath};
+use crate::path::{BeadKind, LayerPaths, PathOptions, SurfacePath};
 use crate::statistics::PathStatistics;
 
 impl PathOptions {

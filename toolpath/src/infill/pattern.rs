@@ -14,15 +14,11 @@
 use super::error::FillError;
 use super::on_mesh::OnMesh;
 use super::split::{Class, Sheet};
-use crate::contour::Cut;
-use crate::contour::Loop;
-use crate::contour::{Rim, Row, end, joined};
+use crate::contour::{Cut, Loop, Rim, Row, end, joined};
 use crate::geodesic::{Sources, SurfaceDistance};
 use crate::level_set::{LevelField, Ring};
-use crate::mesh::SurfacePoint;
-use crate::mesh::{SurfaceMesh, previous};
-use crate::path::PathError;
-use crate::path::{InfillOptions, InfillPattern};
+use crate::mesh::{SurfaceMesh, SurfacePoint, previous};
+use crate::path::{InfillOptions, InfillPattern, PathError};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::ControlFlow;

@@ -6,8 +6,7 @@
 //! field over the finer triangles follows the distance within the tolerance, and its level sets are exact polylines.
 
 use crate::geodesic::SurfaceDistance;
-use crate::mesh::SurfacePoint;
-use crate::mesh::{NONE, next};
+use crate::mesh::{NONE, SurfacePoint, next};
 use nalgebra::Point3;
 
 /// A distance as a field that is linear over triangles, on a refined copy of the mesh.

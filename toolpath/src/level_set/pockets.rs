@@ -2,13 +2,12 @@
 //!
 //! Vertices are visited from the highest down. Each starts a region of its own, or joins those of its higher
 //! neighbours: then it is a saddle, and all but the highest of their pockets end there. This is the split tree of the
-//! field, which is linear over triangles, so its summits and saddles are vertices; equal values are told apart by the
+//! field, which is linear over triangles, so its summits and saddles are vertices; equal values are ordered by the
 //! numbers of the vertices.
 
 use super::around::Around;
 use super::field::LevelField;
-use crate::mesh::NONE;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{NONE, SurfacePoint};
 use crate::union_find::root;
 
 /// A summit of the distance and the region around it, down to the saddle where a pocket with a higher summit begins.

@@ -6,8 +6,7 @@
 use super::Ring;
 use super::field::LevelField;
 use super::levels::Levels;
-use crate::mesh::SurfacePoint;
-use crate::mesh::{next, previous};
+use crate::mesh::{SurfacePoint, next, previous};
 
 /// A ring and one of the triangles that it crosses.
 pub(super) struct Traced {
