@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fails where files of a crate import each other in a circle.
 
-usage: circles.py SRC...        each SRC is the `src` folder of a crate
+usage: circles.py SRC...        each SRC is the `src` folder of a library, or the root file of a command such as `examples/reach/main.rs`
 
 An import is a path that begins with `crate`, `super` or `self`, in a `use` line or in code. It counts for the file that
 defines the name: re-exports are followed, and are no imports themselves. Tests and comments do not count.
@@ -43,7 +43,9 @@ def uses_of(tree, prefix=()):
 class Crate:
     def __init__(self, src):
         self.files, self.code, self.names, self.children = {}, {}, {}, {}
-        self.read(("crate",), src / "lib.rs", src)
+        root, folder = (src / "lib.rs", src) if src.is_dir() else (src, src.parent)
+        self.folder = folder
+        self.read(("crate",), root, folder)
 
     def read(self, module, file, folder):
         """Reads a file, then those of the modules that it declares."""
@@ -62,9 +64,13 @@ class Crate:
         for test, name in declared:
             inner = [folder / f"{name}.rs", folder / name / "mod.rs"]
             inner = [path for path in inner if path.exists()]
-            if not test and inner:
-                self.children[module].add(name)
+            if test:
+                continue
+            self.children[module].add(name)
+            if inner:
                 self.read((*module, name), inner[0], folder / name)
+            else:  # a file elsewhere, by its path
+                self.names[*module, name], self.children[*module, name] = {}, set()
 
     def file_of(self, module, path, seen=()):
         """The module whose file defines what a path means, or None for what is outside of the crate."""
@@ -131,5 +137,5 @@ for src in map(Path, sys.argv[1:]):
         print(f"{src}: a circle of {len(nodes)} files")
         for node in nodes:
             others = ", ".join("::".join(other[1:]) or "lib" for other in sorted(edges[node]) if other in nodes)
-            print(f"  {crate.files[node].relative_to(src)} -> {others}")
+            print(f"  {crate.files[node].relative_to(crate.folder)} -> {others}")
 sys.exit(bad > 0)

@@ -7,8 +7,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use curvlay_toolpath::fiber::direction::DirectionField;
 use curvlay_toolpath::fiber::stripes::stripes;
-use curvlay_toolpath::fiber::tapes::Tape;
-use curvlay_toolpath::fiber::tapes::{TapeOptions, lay_tapes, lay_tapes_along, plan_tapes};
+use curvlay_toolpath::fiber::tapes::{Tape, TapeOptions, lay_tapes, lay_tapes_along, plan_tapes};
 use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use std::hint::black_box;

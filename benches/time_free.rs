@@ -8,7 +8,7 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use curvlay_examples::motion::{OnCell, STEP_S, centred, dissertation_cells};
 use curvlay_examples::spiral::spiral;
-use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
+use curvlay_kinematics::workcell::{SixAxisWorkcell, Workcell};
 use curvlay_trajectory::{
     Bounds, FreeMotion, GlobalOptions, LadderNode, LadderOptions, LadderSearch, Progress, RunIn, TimeFreeOptions,
     TimePathOptions, TimedMotion, Timeline, plan_ladder, smooth_globally, time_path, time_path_free,
@@ -25,7 +25,7 @@ fn quiet(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-type Ur3 = OnCell<SixAxisCell>;
+type Ur3 = OnCell<SixAxisWorkcell>;
 
 /// The UR3 of the dissertation with the path before it.
 fn ur3() -> Ur3 {

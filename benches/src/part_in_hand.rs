@@ -1,6 +1,6 @@
 //! A UR3 that holds the part under a nozzle, for the benches of trajectories.
 
-use curvlay_kinematics::{Arm, Branch, Cell, Waypoint, nozzle_frame, robots};
+use curvlay_kinematics::{Arm, Branch, Setup, Waypoint, nozzle_frame, robots};
 use curvlay_trajectory::{Bounds, FreeRange, Posture, Robot};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 
@@ -9,7 +9,7 @@ pub const STEP: f64 = 0.18;
 
 /// The cell and what it prints.
 pub struct PartInHand {
-    cell: Cell,
+    cell: Setup,
     waypoints: Vec<Waypoint>,
 }
 
@@ -21,7 +21,7 @@ impl PartInHand {
     pub fn dome(count: usize) -> Self {
         let arm = Arm::new(&robots::UR3).expect("a sound model");
         let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
-        let cell = Cell::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).expect("sound frames");
+        let cell = Setup::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).expect("sound frames");
         let point = |k: usize| {
             // Arc length grows by 1 mm a step, turns are 1 mm apart.
             let radius = (16.0 + k as f64 / std::f64::consts::PI).sqrt();

@@ -38,7 +38,7 @@ pub struct Args {
     /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
     #[arg(long)]
     beyond_eps: bool,
-    /// Diameter of the platform in millimetres; one that covers the part is taken if that is larger
+    /// Diameter of the platform in millimetres; a larger one is used if the part does not fit
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
     platform_diameter_mm: f64,
     #[command(flatten)]
@@ -67,7 +67,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Out
     let start = Instant::now();
     let part = args.mesh.load("jug (made in code)", jug)?;
     folder.clear(outputs::is_ours)?;
-    let rules = Rules { eps: args.eps, eps_is_inside: !args.beyond_eps, ..Rules::default() };
+    let rules = Rules { inside_depth_cells: args.eps, boundary_is_inside: !args.beyond_eps, ..Rules::default() };
     let options = args.orient.options(rules, args.platform_diameter_mm);
     let pool = ThreadPoolBuilder::new().num_threads(args.common.threads).build()?;
     let begin = Instant::now();
@@ -78,11 +78,16 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Out
     let best = search.best();
     if best.missed_cells > 0 {
         let amount = format!("{} of the cells", percent(best.missed_share()));
-        findings.add(Severity::Told, "cells are missed in the best pose, too", amount, "poses.csv");
+        findings.add(Severity::Warning, "cells are missed in the best pose, too", amount, "poses.csv");
     }
     if !best.stands {
         let amount = format!("it falls when tipped by {:.1} degrees", best.pose.tipping.to_degrees());
-        findings.add(Severity::Told, "the part does not stand by itself in the best pose", amount, "--standing-first");
+        findings.add(
+            Severity::Warning,
+            "the part does not stand by itself in the best pose",
+            amount,
+            "--standing-first",
+        );
     }
     let run = Run { part, search, search_time, findings };
     bars.finish();

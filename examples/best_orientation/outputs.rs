@@ -108,7 +108,7 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
         .set("directions", orient.orient_directions)?
         .set("orient_voxels", orient.orient_voxels)?
         .set("refine", orient.refine)?
-        .set("least_tipping_deg", orient.least_tipping)?
+        .set("least_tipping_deg", orient.min_tipping_deg)?
         .set("standing_first", orient.standing_first)?
         .set("eps_cells", args.eps)?
         .set("beyond_eps", args.beyond_eps)?

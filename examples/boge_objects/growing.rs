@@ -10,6 +10,7 @@
 //! * A cell that was tried and turned down stays in the tested set, as line 20 says.
 //! * Uniform slicing builds a cell only if the whole column under it is solid.
 
+pub use super::grown::Run;
 use super::hardware::Hardware;
 use super::objects::Drawing;
 use super::rating::Rating;
@@ -19,8 +20,8 @@ use curvlay_examples::bars::Bars;
 use curvlay_layers::Progress;
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    AuditReport, Candidates, Growth, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions, Visit,
-    audit, grow, peel, unbuild,
+    Candidates, GrowthOptions, Neighbours, Platform, Prevention, Rules, UnbuildOptions, Visit, audit, grow, peel,
+    unbuild,
 };
 use curvlay_layers::planar::{UniformSlicing, slice_uniformly};
 use curvlay_voxel::TextGrid;
@@ -32,12 +33,6 @@ pub const STRATEGIES: [&str; 5] = ["greedy", "incremental", "adaptive", "governe
 
 /// Un-building by the rules of the thesis.
 pub const UNBUILT: &str = "unbuild by her rules";
-
-/// An order, and what its audit says.
-pub struct Run {
-    pub growth: Growth,
-    pub audit: AuditReport,
-}
 
 /// An object grown in all ways on one platform.
 pub struct Ways {
@@ -245,7 +240,8 @@ struct Thesis {
 
 impl Thesis {
     fn of(drawn: &TextGrid, hardware: Hardware) -> Result<Self, Failure> {
-        let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
+        let rules =
+            Rules { inside_depth_cells: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
         let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
         Ok(Thesis { platform: hardware.platform_of_thesis(drawn)?, rules, visit })
     }

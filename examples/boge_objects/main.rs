@@ -7,10 +7,11 @@
 //! ```
 //! Every figure of the tables is printed beside ours, and the same objects follow under our own default rules, each
 //! order audited. With a file, a grid of your own is grown in the same ways, with the platform in the hand, on the floor or
-//! elevated. `--help` lists the options, the README the files that it writes.
+//! elevated. `--help` lists the options.
 
 mod drawing;
 mod growing;
+mod grown;
 mod hardware;
 mod objects;
 mod outputs;
@@ -33,17 +34,17 @@ pub use user::{Request, work as work_on_grid};
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "boge_objects")]
 struct Args {
-    /// Text grid of your own to grow instead: `1` cell, `-` platform, `0` empty; the last row of a flat object is the
-    /// platform; of one in space blocks with an empty line between, the first block is the platform
+    /// Text grid of your own to grow instead: `1` cell, `-` platform, `0` empty; the last row of a flat object is the platform; an object
+    /// in space has blocks with an empty line between, of which the first is the platform
     #[arg(value_name = "GRID", group = "of_user")]
     file: Option<PathBuf>,
-    /// The same file by an option
+    /// Text grid (same as the positional file)
     #[arg(long, value_name = "FILE", group = "of_user")]
     grid: Option<PathBuf>,
-    /// Where platform and nozzle are, for --grid [default: in-hand]
+    /// Position of platform and nozzle, for --grid [default: in-hand]
     #[arg(long, requires = "of_user")]
     hardware: Option<Hardware>,
-    /// Share of missed cells of the best strategy above which the exit status is 3, for --grid [default: 0.001]
+    /// Maximum share of missed cells of the best strategy, for --grid; more sets exit status 3 [default: 0.001]
     #[arg(long, value_name = "SHARE", requires = "of_user", value_parser = share, allow_negative_numbers = true)]
     allow_missed: Option<f64>,
     /// Voxel accumulation threshold of GCFA-ISP (section 6.2.5 of the thesis): a cell is kept when it leaves fewer cells shadowed than this [default:

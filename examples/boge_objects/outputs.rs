@@ -17,6 +17,9 @@ use curvlay_voxel::TextGrid;
 use std::io::{self, Write};
 use std::time::Duration;
 
+/// A line for each layer of an order.
+pub const LAYERS_FILE: &str = "layers.csv";
+
 /// Pixels of each picture: squares of 20 pixels for the 35 cells of the large platform.
 const PICTURE: [u32; 2] = [728, 320];
 
@@ -32,7 +35,7 @@ const SETS_NOTE: &str = "Her marks as printed; by her sections 6.4.2 and 6.4.3 t
 const DEFAULT: &str = "The same objects by our default rules (eps 1 cell): missed cells / layers";
 
 pub fn write(results: &Results, folder: &OutputFolder, threads: usize, time: Duration) -> Result<(), Failure> {
-    folder.write_with(super::user::LAYERS_FILE, |out| write_layers(results, out))?;
+    folder.write_with(LAYERS_FILE, |out| write_layers(results, out))?;
     folder.write("report.html", report(results)?.to_html())?;
     // The summary comes last: where it is, all is there.
     summary(results, threads, time)?.write(folder)?;

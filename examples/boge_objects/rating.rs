@@ -5,7 +5,7 @@
 //! numbers. The two bounds here are ours, and chosen after her table: of her 36 verdicts one is "ok" (3 of 59 cells missed),
 //! and the poor one nearest to it misses 3 of 51.
 
-use super::growing::Run;
+use super::grown::Run;
 use curvlay_voxel::TextGrid;
 use std::fmt;
 

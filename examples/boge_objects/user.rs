@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The cells of the best order with their layers.
-pub const LAYERS_FILE: &str = "layers.csv";
 
 /// What is asked for.
 #[derive(Clone, Debug)]
@@ -50,7 +49,7 @@ pub struct Answer {
 
 /// Whether a file of this name is one that a run writes.
 pub fn is_ours(name: &str) -> bool {
-    [LAYERS_FILE, "report.html"].contains(&name)
+    [outputs::LAYERS_FILE, "report.html"].contains(&name)
 }
 
 /// Reads, grows and writes.
@@ -138,7 +137,7 @@ impl Answer {
         let size = self.drawn.grid.dims().map(|n| n as usize).iter().product();
         let fields = [self.best_run(), &self.ways.theirs[0], &self.ways.theirs[1], &self.tuned.run];
         let fields = fields.map(|run| run.growth.order.field(size));
-        folder.write_with(LAYERS_FILE, |out| {
+        folder.write_with(outputs::LAYERS_FILE, |out| {
             writeln!(out, "x,y,z,layer,gcfa,gcfa_isp,gcfa_isp_tuned")?;
             for cell in self.drawn.grid.iter() {
                 let [x, y, z] = self.drawn.grid.position(cell);

@@ -8,13 +8,15 @@
 //! cargo run --release --example calibrate -- measurements.csv --workcell cell.json --fit lengths
 //! ```
 //! Without a file of measurements they are made in code: a UR10 with known errors, a tracker and a probe with noise, so that what is found can be
-//! compared with what was put in. `docs/formats.md` describes the file. `--help` lists the options.
+//! compared with what was put in. `kinematics/docs/measurements.md` describes the file. `--help` lists the options.
 
+mod args;
 mod demo;
+mod found;
 mod outputs;
 
-use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, Outcome, above_zero, run_with_args};
+pub use args::{Args, Fit};
+use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::input;
@@ -28,55 +30,10 @@ use curvlay_kinematics::{
     calibrate_tool, fit_arm, fit_residuals,
 };
 use demo::Truth;
-use std::path::{Path, PathBuf};
+use found::{FoundArm, Run};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-
-/// Finds the tip of a tool and the axes of an arm from measurements, and writes the calibrated workcell.
-#[derive(Parser, Clone, Debug)]
-#[command(version, name = "calibrate")]
-pub struct Args {
-    /// Measurements: a CSV file (.csv) or a JSON file, with touches of one point, measured poses, or both [default: made in code]
-    #[arg(value_name = "FILE")]
-    file: Option<PathBuf>,
-    /// Workcell that is calibrated, a JSON file [default: a UR10 with the nozzle in its hand]
-    #[arg(long, value_name = "FILE")]
-    workcell: Option<PathBuf>,
-    /// Which numbers of the arm are fitted
-    #[arg(long, value_name = "WHAT", default_value = "all")]
-    fit: Fit,
-    /// A radian of a measured angle counts as so many millimetres: the error of positions over that of angles of the device
-    #[arg(long = "radian", value_name = "MM", default_value_t = 200.0, value_parser = above_zero, allow_negative_numbers = true)]
-    radian_mm: f64,
-    /// Amplification of errors from which a number counts as open, and is left as it is
-    #[arg(long, value_name = "FACTOR", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
-    open: f64,
-    /// Root mean square of the residuals in millimetres, of the arm and of the tool, above which the exit status is 3
-    #[arg(long = "allow-residual", value_name = "MM", default_value_t = 0.5, value_parser = above_zero, allow_negative_numbers = true)]
-    allow_residual_mm: f64,
-    /// Without a file: poses that are made
-    #[arg(long = "poses", value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(10..=10_000), conflicts_with = "file", allow_negative_numbers = true)]
-    poses: u32,
-    /// Without a file: noise of the measured positions in millimetres; that of angles is as much by --radian
-    #[arg(long = "noise", value_name = "MM", default_value_t = 0.02, value_parser = above_zero, conflicts_with = "file", allow_negative_numbers = true)]
-    noise_mm: f64,
-    /// Without a file: seed of the noise and of the errors of the arm
-    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "file")]
-    seed: u64,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// Which numbers of the arm are fitted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Fit {
-    /// The zeros of joints 2 to 5.
-    Offsets,
-    /// These, and the lengths: the inverse stays a closed form.
-    Lengths,
-    /// All that poses determine: tilted and shifted axes as well.
-    All,
-}
 
 /// A quarter of the poses is held back from a first fit, to see what it is worth at poses that it has not seen.
 const HELD_BACK: usize = 4;
@@ -86,26 +43,6 @@ const OUTLIER: f64 = 4.0;
 const OVERFITTED: f64 = 1.5;
 /// Touches that amplify their errors more than this are turned too little.
 const POOR_TOUCHES: f64 = 5.0;
-
-/// The arm as it was found.
-pub struct FoundArm {
-    fit: ArmFit,
-    /// Of a fit to three quarters of the poses: how many the others are, and how far they are off.
-    unseen: Option<(usize, FitResiduals)>,
-}
-
-/// What a run found.
-pub struct Run {
-    model: WorkcellModel,
-    measured: Measurements,
-    truth: Option<Truth>,
-    arm: Option<FoundArm>,
-    tool: Option<Calibration>,
-    /// The nozzle's tip before.
-    old_tip: Point3<f64>,
-    is_closed_form: bool,
-    findings: Findings,
-}
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
@@ -184,7 +121,7 @@ fn calibrate(
     };
     let options = FitOptions { scope, radian_mm: args.radian_mm, open: args.open, ..FitOptions::default() };
     let arm = if measured.poses.is_empty() {
-        findings.add(Severity::Noted, "there are no measured poses: the arm stays as it is", "", "");
+        findings.add(Severity::Note, "there are no measured poses: the arm stays as it is", "", "");
         None
     } else {
         bars.update("arm", 0, 1);
@@ -201,7 +138,7 @@ fn calibrate(
     };
     let old_tip = Point3::from(model.nozzle.tip_mm);
     let tool = if measured.touches.is_empty() {
-        findings.add(Severity::Noted, "there are no touches: the tip of the nozzle stays where it is", "", "");
+        findings.add(Severity::Note, "there are no touches: the tip of the nozzle stays where it is", "", "");
         None
     } else {
         bars.update("tool", 0, 1);
@@ -210,7 +147,7 @@ fn calibrate(
             let what =
                 "touches are given by the flange as the controller shows it, which does not know the arm as found";
             findings
-                .explain(Severity::Told, what, by_flange.to_string(), "")
+                .explain(Severity::Warning, what, by_flange.to_string(), "")
                 .try_to("give these touches by their joints");
         }
         let flanges: Vec<Isometry3<f64>> = measured.touches.iter().map(|touch| touch.base_flange(&built)).collect();
@@ -223,7 +160,7 @@ fn calibrate(
     };
     if !built.is_closed_form() && !built.is_ur() {
         findings
-            .explain(Severity::Noted, "programs with targets reach the measured places only on a controller that knows the arm as built", "", "")
+            .explain(Severity::Note, "programs with targets reach the measured places only on a controller that knows the arm as built", "", "")
             .cause("a controller with nominal lengths computes its joints from targets; ABB calls one that knows better Absolute Accuracy")
             .try_to("--fit lengths, and its lengths and offsets in the controller");
     }
@@ -268,7 +205,7 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
         let names: Vec<String> = open.parameters.iter().map(ToString::to_string).collect();
         findings
             .explain(
-                Severity::Told,
+                Severity::Warning,
                 "the poses leave a combination of numbers open, which stays as it is",
                 names.join(", "),
                 format!("errors grow {:.0} times", open.amplification),
@@ -285,21 +222,21 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
         .collect();
     if !outliers.is_empty() {
         findings
-            .explain(Severity::Told, "poses are far off the others", outliers.join(", "), "residuals.csv")
+            .explain(Severity::Warning, "poses are far off the others", outliers.join(", "), "residuals.csv")
             .try_to("measure them again, or leave them out");
     }
     match unseen {
         Some((count, unseen)) if unseen.rms_mm() > OVERFITTED * rms => {
             let amount = format!("{:.3} mm at {count} of them, {rms:.3} mm at the others", unseen.rms_mm());
             findings
-                .explain(Severity::Told, "poses that a fit has not seen are met less well", amount, "")
+                .explain(Severity::Warning, "poses that a fit has not seen are met less well", amount, "")
                 .try_to("more poses, spread over the whole reach")
                 .try_to("--fit lengths");
         }
         Some(_) => {}
         None => {
             findings
-                .explain(Severity::Told, "no poses could be held back to try the fit on", "", "")
+                .explain(Severity::Warning, "no poses could be held back to try the fit on", "", "")
                 .try_to("more poses: those that are there are needed to determine the arm");
         }
     }
@@ -320,7 +257,7 @@ fn find_in_tool(args: &Args, tool: &Calibration, findings: &mut Findings) {
     if tool.amplification > POOR_TOUCHES {
         findings
             .explain(
-                Severity::Told,
+                Severity::Warning,
                 "the touches are turned little against each other",
                 format!("an error of touching grows {:.1} times", tool.amplification),
                 "",
@@ -330,7 +267,7 @@ fn find_in_tool(args: &Args, tool: &Calibration, findings: &mut Findings) {
     let off = tool.residuals.iter().enumerate().filter(|(_, off)| **off > OUTLIER * tool.rms);
     for (k, off) in off {
         findings.add(
-            Severity::Told,
+            Severity::Warning,
             "a touch is far off the others",
             format!("number {} by {off:.2} mm", k + 1),
             "residuals.csv",

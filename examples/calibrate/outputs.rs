@@ -264,7 +264,7 @@ fn report(args: &Args, run: &Run) -> Report {
         let at = fit.world_base.translation.vector;
         report.paragraph(&format!(
             "The base of the arm, as the device has it: {:.3}, {:.3}, {:.3} mm; roll {:.4}, pitch {:.4}, yaw {:.4} degrees. The offset of joint 1 is part of this, that of joint 6 of the \
-             target on the flange: poses cannot tell them apart.",
+             target on the flange: poses cannot distinguish them.",
             at.x, at.y, at.z, roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees()
         ));
     }

@@ -5,8 +5,7 @@ use super::tapes::Planned;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::render::{Camera, INK, Image, Rgb, Scene, ramp};
-use curvlay_toolpath::fiber::tapes::Tape;
-use curvlay_toolpath::fiber::tapes::TapePlan;
+use curvlay_toolpath::fiber::tapes::{Tape, TapePlan};
 
 /// Pixels of a picture.
 const SIZE: [u32; 2] = [900, 560];
@@ -112,7 +111,7 @@ pub fn stress(layer: &LoadedLayer) -> Vec<u8> {
     let share = |v: u32| layer.principal[v as usize].largest.abs() / largest.max(f64::MIN_POSITIVE);
     let mut scene = Scene::new(camera(layer));
     scene.triangles(triangles.iter().map(|corners| {
-        // The square root, so that low stresses are told apart as well.
+        // The square root, so that low stresses are distinguishable, too.
         let mean = corners.iter().map(|&v| share(v)).sum::<f64>() / 3.0;
         (corners.map(|v| vertices[v as usize]), ramp(mean.sqrt()))
     }));

@@ -13,17 +13,19 @@ use curvlay_examples::motion::programs::LIFT_POSTURES;
 use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, from_home, programs};
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::centred_on_plate;
-use curvlay_kinematics::program::{
-    Goal, HeadInput, HeadSignal, Move, PrintKnot, Speed, Step, StreamLeg, StreamOptions, TargetMotion, TargetOptions,
-    TimedSignal, UrScriptOptions, Zone, print_stream, print_targets, write_urscript,
+use curvlay_kinematics::print_program::{
+    PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_stream, print_targets,
 };
-use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisCell, Workcell};
+use curvlay_kinematics::program::{
+    Goal, HeadInput, HeadSignal, Move, Speed, Step, TimedSignal, UrScriptOptions, Zone, write_urscript,
+};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, SixAxisWorkcell, Workcell};
 use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
 use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::gcode::Tool;
 use curvlay_trajectory::print::{
-    Clearance, Fault, LegKind, PrintCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, Run, Steered,
-    Waypoint, plan_print,
+    Clearance, Fault, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintWorkcell, Run, SegmentKind,
+    Steered, Waypoint, plan_print,
 };
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -42,7 +44,7 @@ const MOUNTS: u32 = 36;
 const MOUNT_TAPES: usize = 12;
 /// How high it must be able to lift off, in millimetres: as planners of ways do where there is room.
 const LIFTED_MM: f64 = 20.0;
-/// How far the contact line may leave the centre line, in millimetres: a tenth of a tape's width is told as overlap.
+/// How far the contact line may leave the centre line, in millimetres: a tenth of a tape's width counts as overlap.
 const TOLERANCE_MM: f64 = 0.1;
 /// Speed with which tape is pushed out, in mm/s: the feed before a tape takes the length from blade to roller.
 const FEED_MM_S: f64 = 20.0;
@@ -194,11 +196,11 @@ fn cell_of(at: Point3<f64>) -> [i64; 3] {
 /// The cell with its roller in the place of the nozzle, mounted as the workcell says, or else so that the most waypoints can be reached on one branch along
 /// each tape, with the clearance that postures keep; the first of the best. And how that is, in radians.
 pub fn mounted(
-    cell: &SixAxisCell,
+    cell: &SixAxisWorkcell,
     tapes: &[Placed],
     part: &PartCells,
     plate_mm: f64,
-) -> Result<(SixAxisCell, f64), Failure> {
+) -> Result<(SixAxisWorkcell, f64), Failure> {
     let roller = cell.equipment().model().roller.unwrap_or_default();
     if let Some(degrees) = roller.mount_deg {
         return Ok((cell.with_roller(roller, degrees.to_radians())?, degrees.to_radians()));
@@ -210,7 +212,7 @@ pub fn mounted(
         .step_by(step)
         .map(|tape| (tape, tape.waypoints.iter().map(|waypoint| directions.heading(waypoint)).collect()))
         .collect();
-    let mut best: Option<(usize, f64, SixAxisCell)> = None;
+    let mut best: Option<(usize, f64, SixAxisWorkcell)> = None;
     for mount in (0..MOUNTS).map(|k| TAU * f64::from(k) / f64::from(MOUNTS)) {
         let with_roller = cell.with_roller(roller, mount)?;
         let mut built =
@@ -227,11 +229,11 @@ pub fn mounted(
 
 /// Waypoints of the longest part of a tape that one branch of the arm follows, able to lift off at each of them.
 fn unbroken(
-    robot: &OnCell<SixAxisCell>,
+    robot: &OnCell<SixAxisWorkcell>,
     tape: &Placed,
     headings: &[f64],
     mount: f64,
-    cell: &PrintingCell<'_, 6, 1, SixAxisCell>,
+    cell: &PrintingCell<'_, 6, 1, SixAxisWorkcell>,
 ) -> usize {
     let limits = robot.workcell().limits();
     let is_inside = |joints: &[f64; 6]| (0..6).all(|j| (limits.lower[j]..=limits.upper[j]).contains(&joints[j]));
@@ -260,7 +262,7 @@ fn unbroken(
 /// Motions along tapes, from home and back to it.
 pub struct TapeMotion {
     /// The workcell with its roller.
-    pub cell: SixAxisCell,
+    pub cell: SixAxisWorkcell,
     /// The tapes, in the order in which they are laid.
     pub placed: Vec<Placed>,
     /// Their motions.
@@ -277,7 +279,7 @@ pub struct TapeMotion {
 /// * `part`: in the layers that the tapes name: a tape lies on its own and all before it.
 /// * `home`: where the tapes begin and end; `None` for a posture above the part.
 pub fn along_tapes(
-    (cell, mount): (&SixAxisCell, f64),
+    (cell, mount): (&SixAxisWorkcell, f64),
     placed: Vec<Placed>,
     part: &PartCells,
     plate_mm: f64,
@@ -324,8 +326,8 @@ fn unfinished(plan: &PrintPlan<6, 1>, placed: &[Placed]) -> BTreeSet<usize> {
         let last = passed.next_back();
         first == Some(0) && last == Some(placed[run.path].waypoints.len() - 1)
     };
-    let legs = plan.legs(0..plan.runs.len()).enumerate();
-    let of_part = legs.filter(|(_, leg)| leg.kind == LegKind::Print && !is_whole(leg.run));
+    let legs = plan.segments(0..plan.runs.len()).enumerate();
+    let of_part = legs.filter(|(_, leg)| leg.kind == SegmentKind::Print && !is_whole(leg.run));
     of_part.map(|(number, _)| number).collect()
 }
 
@@ -333,14 +335,14 @@ impl TapeMotion {
     /// The steps of some runs on one layer: tool, heat, and the tapes with the signals of the head, as late as the arm is behind its stream.
     pub fn stream<'a>(&'a self, runs: Range<usize>, head: &'a TapeHead) -> impl Iterator<Item = Step> + 'a {
         let steps = stream(self, runs.clone(), head, StreamOptions::of_workcell(self.cell.equipment()));
-        let first = self.plan.legs(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
+        let first = self.plan.segments(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
         let tool = self.tool_of(&runs);
         first.into_iter().chain(Self::on(tool, head)).chain(steps).chain(Self::off(tool, head))
     }
 
     /// The same as targets on the part.
     pub fn targets<'a>(&'a self, runs: Range<usize>, head: &'a TapeHead) -> impl Iterator<Item = Step> + 'a {
-        let first = self.plan.legs(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
+        let first = self.plan.segments(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
         let tool = self.tool_of(&runs);
         let steps = targets(self, runs, head);
         first.into_iter().chain(Self::on(tool, head)).chain(steps).chain(Self::off(tool, head))
@@ -449,7 +451,7 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
 }
 
 /// The arm without a table that lays tapes.
-pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisCell, Failure> {
+pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisWorkcell, Failure> {
     match cell {
         AnyWorkcell::Six(cell) => Ok(cell),
         AnyWorkcell::Eight(_) => Err(Failure::of_arguments(
@@ -459,7 +461,7 @@ pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisCell, Failure> {
 }
 
 /// How far the tool is turned away from the tapes at most, of the motion as it is.
-fn turned(robot: &OnCell<SixAxisCell>, plan: &PrintPlan<6, 1>, directions: &Directions, mount: f64) -> f64 {
+fn turned(robot: &OnCell<SixAxisWorkcell>, plan: &PrintPlan<6, 1>, directions: &Directions, mount: f64) -> f64 {
     let mut most: f64 = 0.0;
     for joints in plan.runs.iter().flat_map(|run| run.trajectory.joints()) {
         let Some(tool) = PrintRobot::nozzle(robot, joints) else { continue };
@@ -507,19 +509,19 @@ fn stream<'a>(
     let (plan, placed) = (&motion.plan, &motion.placed);
     let at = |time_s: f64, signal: HeadSignal, on: bool| TimedSignal { time_s, signal, on };
     let feed_s = head.blade / FEED_MM_S;
-    let start = plan.legs(runs.clone()).next().map_or([0.0; 6], |leg| leg.at(0.0));
-    let stop = plan.legs(runs.clone()).last().map_or(start, |leg| leg.at(leg.duration()));
+    let start = plan.segments(runs.clone()).next().map_or([0.0; 6], |leg| leg.at(0.0));
+    let stop = plan.segments(runs.clone()).last().map_or(start, |leg| leg.at(leg.duration()));
     type Joints<'a> = Box<dyn Fn(f64) -> [f64; 6] + 'a>;
-    let feeding = move |joints: [f64; 6]| StreamLeg {
+    let feeding = move |joints: [f64; 6]| StreamSegment {
         duration_s: feed_s,
         joints: Box::new(move |_| joints) as Joints,
         filament_mm: None::<fn(f64) -> f64>,
         signals: vec![at(0.0, HeadSignal::Feed, true), at(feed_s, HeadSignal::Feed, false)],
     };
-    let legs = plan.legs(runs).flat_map(move |leg| {
-        let is_laid = leg.kind == LegKind::Print;
-        let before = (leg.kind == LegKind::Approach).then(|| feeding(leg.at(0.0)));
-        let motion = StreamLeg {
+    let legs = plan.segments(runs).flat_map(move |leg| {
+        let is_laid = leg.kind == SegmentKind::Print;
+        let before = (leg.kind == SegmentKind::Approach).then(|| feeding(leg.at(0.0)));
+        let motion = StreamSegment {
             duration_s: leg.duration(),
             joints: Box::new(move |time| leg.at(time)) as Joints,
             filament_mm: None,

@@ -1,26 +1,22 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, machine files, programs, `tapes.csv` and `report.html`.
 
 use super::arcs::ArcTest;
-use super::layer::LoadedLayer;
 use super::layer::Solved;
 use super::predict::{MEASURED_GPA, MEASURED_NM2, Prediction, Predictions, deflection_mm};
+use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_header, tape_lines};
 use super::tapes::Planned;
 use super::{Args, Run, drawing, part_outputs};
-use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::args::Failure;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_toolpath::fiber::head::LayerTapes;
-use curvlay_toolpath::fiber::tapes::Tape;
-use curvlay_toolpath::fiber::tapes::TapePlan;
+use curvlay_toolpath::fiber::tapes::{Tape, TapePlan};
 use curvlay_toolpath::gcode::{Move, Tool, WriteOptions, write_gcode};
 use std::io::{self, Write};
 use std::time::Instant;
-
-/// Steering radii from here on are written as this: JSON has no infinity, and so straight is straight.
-pub const STRAIGHT_MM: f64 = 1e6;
 
 /// Whether a file is one that the example writes.
 pub fn is_ours(name: &str) -> bool {
@@ -65,23 +61,6 @@ pub fn write(args: &Args, run: &Run, folder: &OutputFolder, start: Instant) -> R
     Ok(())
 }
 
-/// The first line of `tapes.csv`.
-pub fn tape_header(out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm")
-}
-
-/// A line for each point of each tape of a layer, which is counted from 0.
-pub fn tape_lines(out: &mut dyn Write, part: &str, layer: u32, plan: &TapePlan) -> io::Result<()> {
-    for (number, (tape, radii)) in plan.tapes.iter().zip(&plan.radii).enumerate() {
-        for ((p, n), radius) in tape.points.iter().zip(&tape.normals).zip(radii) {
-            let numbers = [layer + 1, number as u32 + 1].map(|number| number.to_string()).join(",");
-            write!(out, "{part},{numbers},{:.4},{:.4},{:.4},{:.6},{:.6},{:.6}", p.x, p.y, p.z, n.x, n.y, n.z)?;
-            writeln!(out, ",{:.3}", radius.min(STRAIGHT_MM))?;
-        }
-    }
-    Ok(())
-}
-
 fn write_tapes(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     tape_header(out)?;
     for planned in &run.specimens {
@@ -90,11 +69,6 @@ fn write_tapes(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         }
     }
     tape_lines(out, "layer", 0, &run.layer.plan)
-}
-
-/// A steering radius in words.
-pub fn radius(mm: f64) -> String {
-    if mm < STRAIGHT_MM { format!("{mm:.1}") } else { "straight".to_owned() }
 }
 
 /// Tapes of the specimens and of the layer.
@@ -160,14 +134,6 @@ impl Pictures {
     }
 }
 
-/// Stresses of a layer, and its tapes: names, captions and bytes.
-pub fn layer_pictures(layer: &LoadedLayer, wires: &[Tape], min_radius_mm: f64) -> Vec<(String, String, Vec<u8>)> {
-    let caption = format!("{}: greatest principal stress in the layer, {}", layer.name, layer.source);
-    let stress = ("layer_stress.png".to_owned(), caption, drawing::stress(layer));
-    let caption = format!("{}: tapes by steering radius", layer.name);
-    vec![stress, ("layer.png".to_owned(), caption, drawing::tapes(layer, wires, min_radius_mm))]
-}
-
 fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     options(args, &mut summary)?;
@@ -229,27 +195,6 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     run.findings.summary(&mut summary)?;
     summary.set_seconds("total_s", start.elapsed())?;
     Ok(summary)
-}
-
-/// The options of a run.
-pub fn options(args: &Args, summary: &mut Summary) -> Result<(), Failure> {
-    let mesh = args.mesh.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
-    summary
-        .set("version", env!("CARGO_PKG_VERSION"))?
-        .set("mesh", mesh.unwrap_or_else(|| "arc".to_owned()))?
-        .set("stage", typed_name(args.stage))?
-        .set("tape_width_mm", args.tape_width_mm)?
-        .set("tape_spacing_mm", args.tape_options().spacing)?
-        .set("tape_thickness_mm", args.tape_thickness_mm)?
-        .set("allowed_radius_mm", args.min_radius_mm)?
-        .set("min_length_mm", args.min_length_mm)?
-        .set("max_overlap", args.max_overlap)?
-        .set("smoothing_mm", args.smoothing_mm())?
-        .set("compensate", args.compensate)?
-        .set("press_n", args.press_n)?
-        .set("heat_celsius", args.celsius)?
-        .set("threads", args.common.threads)?;
-    Ok(())
 }
 
 fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {

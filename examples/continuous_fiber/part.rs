@@ -4,7 +4,7 @@
 //! the principal stresses there, where beads lie below and above them.
 
 use super::follow_load::FollowedLoad;
-use super::layer::{LoadedLayer, PartLayers, Reinforced, Solved};
+use super::layer::{LoadedLayer, PartLayers, PartStress, Reinforced, Solved};
 use super::part_motion::{self, PartMotion};
 use super::specimens::Specimen;
 use super::tapes::raise_plan;
@@ -17,9 +17,9 @@ use curvlay_toolpath::fiber::bedding::{Roller, TapeBedding, bedded_surface, tape
 use curvlay_toolpath::fiber::conductor::ConductorOptions;
 use curvlay_toolpath::fiber::head::{LayerTapes, with_tapes};
 use curvlay_toolpath::fiber::sandwich::{SandwichLayer, SandwichOptions, sandwich, sandwich_on};
+use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::fill::{FillLayersError, FilledLayers, fill_layers};
-use curvlay_toolpath::gcode::marked_moves;
-use curvlay_toolpath::gcode::{Move, Tool};
+use curvlay_toolpath::gcode::{Move, Tool, marked_moves};
 use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::path::PathOptions;
@@ -120,6 +120,52 @@ fn filled(surfaces: &[LayerSurface], bead_mm: f64, bars: &Bars) -> Result<Filled
     })
 }
 
+/// The layers on which tapes are laid.
+struct Bed<'a> {
+    surfaces: &'a [LayerSurface<'a>],
+    schedule: &'a [SandwichLayer],
+    height_mm: f64,
+    /// Beads of all layers, if there are any.
+    print: Option<&'a PrintPlan>,
+}
+
+impl Bed<'_> {
+    /// Plans tapes on each layer that carries them, where beads bear them.
+    fn taped(&self, args: &Args, part: &Part, stress: &PartStress, bars: &Bars) -> Result<Vec<TapedLayer>, Failure> {
+        let carrying = |(number, _): &(usize, &LayerSurface)| self.schedule[*number].carries_tape;
+        let mut taped = Vec::new();
+        for (number, surface) in self.surfaces.iter().enumerate().filter(carrying) {
+            let top = surface.top();
+            let (vertices, triangles) = match self.print {
+                Some(print) => {
+                    bedded_surface(&top, surface.triangles, number as u32, &print.resolved.paths, self.height_mm)
+                }
+                None => (top.clone(), surface.triangles.to_vec()),
+            };
+            if triangles.is_empty() {
+                continue;
+            }
+            let share = area(&vertices, &triangles) / area(&top, surface.triangles);
+            let name = format!("layer {} of {} of {}", number + 1, self.surfaces.len(), part.name);
+            let mesh =
+                SurfaceMesh::new(vertices, triangles).map_err(|error| Failure::new(format!("{name}: {error}")))?;
+            let loaded = stress.follow(args, mesh, name, bars)?;
+            taped.push(TapedLayer { number: number as u32, loaded, bedded_share: share });
+        }
+        Ok(taped)
+    }
+
+    /// Tapes and wires as the head lays them, without empty lists.
+    fn lists(&self, taped: &[TapedLayer], wires: &[Vec<Tape>]) -> Vec<LayerTapes> {
+        let of_layer = |(layer, wires): (&TapedLayer, &Vec<Tape>)| {
+            let lift = self.schedule[layer.number as usize].raised;
+            let list = |tool, tapes| LayerTapes { layer: layer.number, tool, lift, tapes };
+            [list(Tool::Roller, layer.loaded.plan.tapes.clone()), list(Tool::Conductor, wires.clone())]
+        };
+        taped.iter().zip(wires).flat_map(of_layer).filter(|list| !list.tapes.is_empty()).collect()
+    }
+}
+
 /// Plans everything.
 pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<PartRun, Failure> {
     let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
@@ -136,31 +182,11 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
     let print = filled.as_ref().map(|filled| filled.plan(&surfaces, &nozzle, &options, &progress)).transpose()?;
 
     let begin = Instant::now();
-    let mut taped: Vec<TapedLayer> = Vec::new();
-    for (number, surface) in surfaces.iter().enumerate().filter(|(number, _)| schedule[*number].carries_tape) {
-        let top = surface.top();
-        let (vertices, triangles) = match &print {
-            Some(print) => bedded_surface(&top, surface.triangles, number as u32, &print.resolved.paths, height_mm),
-            None => (top.clone(), surface.triangles.to_vec()),
-        };
-        if triangles.is_empty() {
-            continue;
-        }
-        let share = area(&vertices, &triangles) / area(&top, surface.triangles);
-        let name = format!("layer {} of {} of {}", number + 1, surfaces.len(), part.name);
-        let mesh = SurfaceMesh::new(vertices, triangles).map_err(|error| Failure::new(format!("{name}: {error}")))?;
-        let loaded = stress.follow(args, mesh, name, bars)?;
-        taped.push(TapedLayer { number: number as u32, loaded, bedded_share: share });
-    }
+    let bed = Bed { surfaces: &surfaces, schedule: &schedule, height_mm, print: print.as_ref() };
+    let taped = bed.taped(args, part, &stress, bars)?;
     let plan_time = begin.elapsed();
-    let mut tapes: Vec<LayerTapes> = Vec::new();
     let wires = laid_wires(args, given, &layers, &taped)?;
-    for (layer, wires) in taped.iter().zip(&wires) {
-        let lift = schedule[layer.number as usize].raised;
-        let list = |tool, tapes| LayerTapes { layer: layer.number, tool, lift, tapes };
-        let both = [list(Tool::Roller, layer.loaded.plan.tapes.clone()), list(Tool::Conductor, wires.clone())];
-        tapes.extend(both.into_iter().filter(|list| !list.tapes.is_empty()));
-    }
+    let tapes = bed.lists(&taped, &wires);
     let wires = wires.iter().flatten().fold((0, 0.0), |(count, mm), wire| (count + 1, mm + wire.length()));
 
     let print = print.map(|print| raise_plan(print, &schedule, &options)).transpose()?;

@@ -1,10 +1,12 @@
 //! What a run on a part leaves behind: findings, a table, `summary.json`, the machine file, programs, `tapes.csv`, pictures and the report.
 
 use super::layer::Reinforced;
-use super::outputs::{STRAIGHT_MM, layer_pictures, radius, tape_lines};
 use super::part::{PartRun, TapedLayer};
-use super::part_motion::{MAX_OFF_MM, PartMotion, TAPE_KIND};
-use super::{ANGLE_DEG, Args, WORST_COVERED, outputs};
+use super::part_motion::PartMotion;
+use super::part_programs::TAPE_KIND;
+use super::part_read_back::MAX_OFF_MM;
+use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_header, tape_lines};
+use super::{ANGLE_DEG, Args, WORST_COVERED};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::motion::read_back::MAX_FILAMENT_SHARE;
@@ -23,7 +25,7 @@ use std::time::Instant;
 
 /// How deep the roller may be in the beads below, as a share of the layer height: as the nozzle may.
 const ROLLER_DEPTH: f64 = 0.25;
-/// Share of the length of the beads that may lie on nothing, as in `curved_layers`.
+/// Maximum share of the bead length that is unsupported, as in `curved_layers`.
 const ALLOWED_UNSUPPORTED: f64 = 0.01;
 
 /// Share of the tapes' volume that may lie outside of the solver's cells.
@@ -47,14 +49,14 @@ pub fn find(args: &Args, run: &PartRun, findings: &mut Findings) {
         let share = run.layers.layered.surfaces.missed_mm3 / run.layers.volume_mm3;
         let amount = format!("{} cells, {} of the volume", growth.missed.len(), percent(share));
         findings
-            .explain(Severity::Told, "cells of the part are in no layer", amount, "")
+            .explain(Severity::Warning, "cells of the part are in no layer", amount, "")
             .try_to("curved_layers, which finds an order and support for such parts");
     }
     let wanted = run.schedule.iter().filter(|layer| layer.carries_tape).count();
     if wanted > run.taped.len() {
         let amount = format!("{} of {wanted}", wanted - run.taped.len());
         let what = "layers carry no tapes, since nowhere beads lie both below and above";
-        findings.add(Severity::Told, what, amount, "");
+        findings.add(Severity::Warning, what, amount, "");
     }
     find_tapes(run, findings);
     if let Some(print) = &run.print {
@@ -62,7 +64,12 @@ pub fn find(args: &Args, run: &PartRun, findings: &mut Findings) {
         if count > 0 {
             let left: f64 = print.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).sum();
             let amount = format!("{count} pieces, {left:.0} mm");
-            findings.add(Severity::Told, "beads are left out: the nozzle would be in what is built", amount, "");
+            findings.add(
+                Severity::Warning,
+                "beads are left out: the nozzle would collide with printed material",
+                amount,
+                "",
+            );
         }
     }
     find_bedding(args, run, findings);
@@ -76,7 +83,9 @@ fn find_tapes(run: &PartRun, findings: &mut Findings) {
         let why = first.loaded.plan.empty.map_or(String::new(), |empty| empty.to_string());
         let numbers: Vec<String> = empty.iter().map(|layer| (layer.number + 1).to_string()).collect();
         let what = format!("no tape lies on {} of the layers that should carry some", empty.len());
-        findings.explain(Severity::Told, what, numbers.join(", "), "").cause(format!("{}: {why}", first.loaded.name));
+        findings
+            .explain(Severity::Warning, what, numbers.join(", "), "")
+            .cause(format!("{}: {why}", first.loaded.name));
     }
     let has_tapes = |layer: &TapedLayer| layer.loaded.plan.empty.is_none();
     let worst = |layer: &&TapedLayer| has_tapes(layer) && layer.loaded.angle.covered_fraction < WORST_COVERED;
@@ -95,7 +104,7 @@ fn find_tapes(run: &PartRun, findings: &mut Findings) {
             format!("less than {} of the worst-stressed tenth of a layer lies under a tape", percent(WORST_COVERED));
         let left: f64 = least.loaded.plan.left_out.iter().map(|piece| piece.length_mm).sum();
         findings
-            .explain(Severity::Told, what, amount, format!("layer {}", least.number + 1))
+            .explain(Severity::Warning, what, amount, format!("layer {}", least.number + 1))
             .cause(format!(
                 "{left:.0} mm of its lines carry no tape: too short, too tightly bent, or too near to others"
             ))
@@ -105,7 +114,7 @@ fn find_tapes(run: &PartRun, findings: &mut Findings) {
     if angle > ANGLE_DEG {
         let what = "tapes leave the principal direction over the worst-stressed tenth of a layer";
         findings
-            .explain(Severity::Told, what, format!("{angle:.1} degrees in the mean"), "")
+            .explain(Severity::Warning, what, format!("{angle:.1} degrees in the mean"), "")
             .try_to("--smoothing or --min-radius with less");
     }
 }
@@ -128,7 +137,7 @@ fn find_bedding(args: &Args, run: &PartRun, findings: &mut Findings) {
     };
     let [on_nothing, uncovered] = [bedding.on_nothing_share(), bedding.uncovered_share()];
     let pieces = [
-        ("tapes lie on nothing", on_nothing, &bedding.on_nothing),
+        ("tapes are unsupported", on_nothing, &bedding.on_nothing),
         ("tapes are covered by nothing", uncovered, &bedding.uncovered),
     ];
     for (what, share, list) in pieces.into_iter().filter(|piece| !piece.2.is_empty()) {
@@ -167,12 +176,12 @@ fn find_apart(reinforced: &Reinforced, findings: &mut Findings) {
     if taped < 1.0 {
         let amount = format!("at {} of it, {} without tapes", percent(taped), percent(plain));
         findings
-            .explain(Severity::Told, "layers come apart under the load", amount, "")
+            .explain(Severity::Warning, "layers come apart under the load", amount, "")
             .cause(format!("peel and shear across layers are more than bonds of {bond_mpa:.2} MPa bear"))
             .try_to("layers along the load: another --up, or curved_layers");
     }
     if lost_share > LOST {
-        findings.add(Severity::Told, "the solver does not see all of the tapes", percent(lost_share), "");
+        findings.add(Severity::Warning, "the solver does not see all of the tapes", percent(lost_share), "");
     }
 }
 
@@ -230,7 +239,7 @@ pub fn write(
         folder.write(name, bytes)?;
     }
     folder.write_with("tapes.csv", |out: &mut dyn Write| {
-        outputs::tape_header(out)?;
+        tape_header(out)?;
         run.taped.iter().try_for_each(|layer| tape_lines(out, "part", layer.number, &layer.loaded.plan))
     })?;
     let shown = run
@@ -279,7 +288,7 @@ pub fn table(run: &PartRun) -> Table {
 
 fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
-    outputs::options(args, &mut summary)?;
+    options(args, &mut summary)?;
     let (tapes, tape_mm) = run.of_roller();
     let least = |of: fn(&TapedLayer) -> f64| run.taped.iter().map(of).fold(1.0, f64::min);
     summary
@@ -415,8 +424,8 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
     }
     if let Some(bedding) = &run.bedding {
         report.paragraph(&format!(
-            "Of {:.0} mm² of tape {} lie on nothing, and {} are covered by nothing, by a check of strands as wide as a layer is high among the beads as they \
-             are laid. The roller is at most {:.3} mm deep in the beads below.",
+            "Of {:.0} mm² of tape {} are unsupported, and {} are uncovered, by a check of strands as wide as a layer is high among the beads as they \
+             are deposited. The roller is at most {:.3} mm deep in the beads below.",
             bedding.tape_mm2,
             percent(bedding.on_nothing_share()),
             percent(bedding.uncovered_share()),

@@ -27,7 +27,7 @@ pub struct CompleteArgs {
     /// Radius of the balls that stand for cells that are built, in cells: 0.5 is a bead as wide as a cell
     #[arg(long, value_name = "CELLS", default_value_t = 0.5, value_parser = margin, allow_negative_numbers = true)]
     pub nozzle_margin: f64,
-    /// Support for cells that are missed all the same, and for beads that lie on nothing [default: auto; none with a --strategy other than best]
+    /// Support for cells that are missed all the same, and for unsupported beads [default: auto; none with a --strategy other than best]
     #[arg(long, value_enum, conflicts_with = "resume")]
     pub support: Option<Support>,
     /// Width of the columns of support, in cells
@@ -96,7 +96,7 @@ pub enum NozzleGrowth {
 pub enum Support {
     /// None.
     None,
-    /// Below what is missed, if less is missed with it; of directed layers and those by distance also below beads that lie on nothing, where they are more than the --allow options
+    /// Below what is missed, if less is missed with it; of directed layers and those by distance also below unsupported beads, where they are more than the --allow options
     /// permit.
     Auto,
 }

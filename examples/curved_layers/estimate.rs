@@ -1,15 +1,14 @@
 //! Whether a stage fits into memory, estimated before it begins: a part in another unit, or beads of a micrometre, ask for
 //! hundreds of gigabytes.
 
-use crate::failure;
-use crate::field::FieldRun;
+use crate::args::failure;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_toolpath::plan::PrintOptions;
 use curvlay_toolpath::statistics::StatisticsOptions;
 
-/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions.md): a cell of the part in an order by the
+/// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions/28-command-line.md): a cell of the part in an order by the
 /// hull rule alone, in one that the nozzle or support completes, and with its share of the surfaces; a cell of the grid without surfaces and
 /// with them; a point of a curve before it is simplified; a waypoint of the machine file, and one of a motion.
 const HULL_CELL: f64 = 50.0;
@@ -69,8 +68,8 @@ impl Memory {
     }
 
     /// Curves on the surfaces, and the samples of the largest one, by which coverage is measured.
-    pub fn holds_paths(self, bead_mm: f64, field: &FieldRun, surfaces: &SurfacesRun) -> Result<(), Failure> {
-        let points = CROSSINGS * surfaces.spacing.area_mm2 / bead_mm / field.solid.grid.cell_mm();
+    pub fn holds_paths(self, bead_mm: f64, cell_mm: f64, surfaces: &SurfacesRun) -> Result<(), Failure> {
+        let points = CROSSINGS * surfaces.spacing.area_mm2 / bead_mm / cell_mm;
         let advice = |share: f64| format!("--bead {:.3} would fit", bead_mm / share);
         self.holds(CURVE_POINT * points, &format!("curves of {points:.0} points"), advice)?;
         let StatisticsOptions { samples_per_width, max_samples, .. } = StatisticsOptions::default();

@@ -37,7 +37,7 @@ pub struct FieldOptions {
 }
 
 /// Cells that a part gets unless the user says. With more of them layers wait for each other at more places: a hollow bunny of 92 mm has
-/// eight times the curves with a million (docs/decisions.md). With fewer cells, thin walls get none.
+/// eight times the curves with a million (docs/decisions/02-voxels.md). With fewer cells, thin walls get none.
 const CELLS: u64 = 100_000;
 
 /// Large parts get more, so that cells are no higher than this many layers: contours take layers down to a fifth of a cell.
@@ -83,7 +83,7 @@ pub struct FieldRun {
     pub missed_by_hull: Vec<u32>,
     /// Directions that were given, and how far they are followed.
     pub given: Option<GivenDirections>,
-    /// How many cells have support since beads of another try lay on nothing above them.
+    /// How many cells have support since beads of another try above them were unsupported.
     pub below_beads: usize,
     /// The cells that are support, by rising number, and what straight columns would take.
     pub support: Vec<u32>,
@@ -137,7 +137,7 @@ pub struct Given<'a> {
     pub guide: Option<&'a Guide>,
     /// The field, if an earlier run has saved it.
     pub saved: Option<SavedField>,
-    /// Places on the plate where beads of an earlier try lay on nothing.
+    /// Places on the plate where beads of an earlier try were unsupported.
     pub bare: &'a [Point3<f64>],
 }
 
@@ -253,7 +253,7 @@ pub fn run(
         cell_mm: grid.cell_mm(),
         origin: grid.origin(),
         platform: &platform,
-        rules: Rules { eps: options.eps, eps_is_inside: !options.beyond_eps, ..Rules::default() },
+        rules: Rules { inside_depth_cells: options.eps, boundary_is_inside: !options.beyond_eps, ..Rules::default() },
         volume_mm3: mesh.volume_mm3(),
         guides: Guides::default(),
     };

@@ -1,14 +1,14 @@
-//! What is wrong with what each stage has made, in plain words: when it is told, and when the exit status is 3.
+//! Findings of each stage: when a result is reported, and when the exit status is 3.
 
+use crate::args::{Args, Lying, Stage};
 use crate::complete::{LayersBy, NozzleGrowth, Support};
 use crate::field::FieldRun;
+use crate::job::Results;
 use crate::machine::{MachineRun, to_lay_mm3};
-use crate::motion::check::Checked;
-use crate::motion::{MotionRun, of_run};
+use crate::motion::{Checked, MotionRun, of_run};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Lying, Results, Stage};
-use Severity::{Failed, Noted, Told};
+use Severity::{Failed, Note, Warning};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_kinematics::workcell::Workcell;
@@ -21,11 +21,11 @@ use std::collections::BTreeSet;
 /// Area shares above which a finding is reported. Of thin walls sharp edges alone make up some tenths of a percent.
 const NOTABLE_SHARE: f64 = 0.01;
 
-/// From how far on the volume of layers is told, and the volume laid; as shares of the part.
+/// Deviations of the volume of the layers, and of the deposited volume, above which they are reported; as shares of the part.
 const NOTABLE_LAYERS: f64 = 0.05;
 const NOTABLE_VOLUME: f64 = 0.02;
 
-/// From how much longer on than planned printing is told to be slow: a motion from rest to rest is always a little longer.
+/// Additional print time, as a share, above which printing is reported as slow: a motion from rest to rest is always a little longer.
 const NOTABLE_DELAY: f64 = 0.05;
 
 /// Share of the time of printing at the limit of turning above which a finding is reported: from half on it rules the print.
@@ -67,24 +67,28 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     let (report, cell_mm) = (&run.solid.report, run.solid.grid.cell_mm());
     if !run.mesh.is_sound() {
         // The first line says how large it is.
-        run.mesh.to_string().lines().skip(1).for_each(|line| findings.add(Told, format!("the mesh: {line}"), "", ""));
+        run.mesh
+            .to_string()
+            .lines()
+            .skip(1)
+            .for_each(|line| findings.add(Warning, format!("the mesh: {line}"), "", ""));
     }
     if report.dropped_triangles > 0 {
-        findings.add(Noted, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
+        findings.add(Note, "triangles without area were dropped", report.dropped_triangles.to_string(), "");
     }
     run.given.iter().for_each(|given| given.find(findings));
     if run.part_is_estimated {
         let is_open = run.mesh.open_edges.count > 0;
         let why = if is_open { "the mesh is open" } else { "bodies of the mesh pass through each other" };
         let what = format!("{why}: the volume of the part is an estimate by its cells");
-        findings.add(Noted, what, format!("{:.0} mm3", run.part_mm3), "a smaller --cell gives a better one");
+        findings.add(Note, what, format!("{:.0} mm3", run.part_mm3), "a smaller --cell gives a better one");
     }
     if report.leak_faces > 0 {
         let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
-        findings.add(Told, "the mesh has holes wider than a cell", amount, "");
+        findings.add(Warning, "the mesh has holes wider than a cell", amount, "");
     }
     if report.inside_out {
-        findings.add(Noted, "the faces point inwards: the part was taken as turned the right way round", "", "");
+        findings.add(Note, "the faces point inwards: the part was taken as turned the right way round", "", "");
     }
     if let (true, Some((thinnest, at))) = (run.thin.share > NOTABLE_SHARE, run.thin.thinnest) {
         let meets = run.mesh.touching.count + run.mesh.crossings.count > 0;
@@ -92,16 +96,16 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
             if meets { ", or parts of the mesh touch or overlap" } else { ": where no bead fits they are not printed" };
         let what = format!("walls are thinner than a cell of {cell_mm:.3} mm{or}");
         let place = format!("{thinnest:.3} mm near x {:.2}, y {:.2}, z {:.2} of the mesh", at.x, at.y, at.z);
-        findings.add(Told, what, format!("{} of the surface", percent(run.thin.share)), place);
+        findings.add(Warning, what, format!("{} of the surface", percent(run.thin.share)), place);
     }
     let taken_mm = run.platform_diameter_mm();
     if taken_mm > diameter_mm + cell_mm {
         let what = format!("the part does not fit on a platform of {diameter_mm} mm");
-        findings.add(Noted, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
+        findings.add(Note, what, format!("one of {taken_mm:.1} mm was taken"), "--platform-diameter");
     }
     if let Some(mould) = &run.mould {
         findings.add(
-            Noted,
+            Note,
             format!("the part is printed on {}", mould.name),
             "",
             format!("it stands at {}", mould.place()),
@@ -109,23 +113,23 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         if run.buried_mm3 > NOTABLE_BURIED * run.part_mm3 {
             let what =
                 format!("the part reaches more than a cell into {}: what lies in there is not printed", mould.name);
-            findings.add(Told, what, format!("{:.1} mm3", run.buried_mm3), "");
+            findings.add(Warning, what, format!("{:.1} mm3", run.buried_mm3), "");
         }
     }
     if run.support_mm3() > 0.0 {
         let below = match run.below_beads {
             0 => String::new(),
-            cells => format!(", with {} below beads that lay on nothing", counted(cells, "cell")),
+            cells => format!(", with {} below unsupported beads", counted(cells, "cell")),
         };
         let amount = format!("{:.1} mm3, to be broken off{below}", run.support_mm3());
-        findings.add(Told, "the part stands on support", amount, "--support");
+        findings.add(Warning, "the part stands on support", amount, "--support");
     }
     if !run.growth.nozzle.is_empty() {
         let amount = format!("{} of {} cells", run.growth.nozzle.len(), run.growth.order.cells().len());
         let what = "cells were checked for this nozzle, not by the hull rule: a larger one may not reach them";
         // An order by distance is meant for the nozzle that prints.
         let is_by_hulls = run.layers_by.is_none_or(|layers_by| layers_by == curved::LayersBy::Hull);
-        findings.add(if is_by_hulls { Told } else { Noted }, what, amount, "--nozzle");
+        findings.add(if is_by_hulls { Warning } else { Note }, what, amount, "--nozzle");
     }
     if !run.audit.is_ok() {
         findings.add(Failed, "the audit of the layers failed", run.audit.to_string(), "field.csv");
@@ -165,8 +169,8 @@ fn missed_in_words(run: &FieldRun) -> String {
     let proven: BTreeSet<u32> = run.impossible.iter().map(|impossible| impossible.cell).collect();
     let impossible = missed.iter().filter(|missed| proven.contains(&missed.cell)).count();
     format!(
-        "{} of {} cells at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of what is built by then{reach}, {} with nothing to \
-         stand on; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {} cells, of which \
+        "{} of {} cells at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of the part built so far{reach}, {} without \
+         support; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {} cells, of which \
          {} are proven impossible in any order, {} are undecided",
         missed.len(),
         grid.count(),
@@ -216,8 +220,8 @@ fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
     if (layers / part - 1.0).abs() > NOTABLE_LAYERS {
         let amount = format!("{} of its volume, {layers:.1} of {part:.1} mm3", percent(layers / part));
         findings.add(
-            Told,
-            "the layers do not hold what the part holds",
+            Warning,
+            "the volume of the layers differs from that of the part",
             amount,
             "layers.vtk; another --layer-height or --cell",
         );
@@ -225,11 +229,11 @@ fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
     let left = run.clipped.left;
     if left.crossing > 0 {
         let amount = format!("at {} of {} edges", left.crossing, left.edges);
-        findings.add(Told, "surfaces pass through each other where clipping cannot cut them", amount, "layers.vtk");
+        findings.add(Warning, "surfaces pass through each other where clipping cannot cut them", amount, "layers.vtk");
     }
     if run.spacing.squeezed_share > NOTABLE_SHARE {
         let amount = format!("{} of the area", percent(run.spacing.squeezed_share));
-        findings.add(Told, "surfaces are nearer to each other than 0.3 of the layer height", amount, "layers.vtk");
+        findings.add(Warning, "surfaces are nearer to each other than 0.3 of the layer height", amount, "layers.vtk");
     }
 }
 
@@ -247,15 +251,15 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
             too_thin.parts,
             too_thin.volume_mm3
         );
-        findings.add(Told, what, amount, "--bead");
+        findings.add(Warning, what, amount, "--bead");
     }
     if run.bridges.length_mm > 0.0 {
         let amount =
             format!("{:.1} m in all, the longest {:.1} mm", run.bridges.length_mm / 1000.0, run.bridges.longest_mm);
-        findings.add(Noted, "skins bridge what is sparse below them", amount, "--skin, --density");
+        findings.add(Note, "skins bridge what is sparse below them", amount, "--skin, --density");
     }
     if totals.self_crossings > 0 {
-        findings.add(Told, "paths cross each other", format!("{} times", totals.self_crossings), "paths.obj");
+        findings.add(Warning, "paths cross each other", format!("{} times", totals.self_crossings), "paths.obj");
     }
 }
 
@@ -283,7 +287,7 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     }
     if run.resolved.lifted > 0 {
         let amount = format!("at {} waypoints, by {:.2} mm at most", run.resolved.lifted, run.resolved.max_lift);
-        findings.add(Noted, "the nozzle is raised a little where it would collide with printed material", amount, "");
+        findings.add(Note, "the nozzle is raised a little where it would collide with printed material", amount, "");
     }
     let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
     if left_out > 0.0 {
@@ -308,13 +312,13 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
         let gaps = if gaps > 0.0 { format!(", {gaps:.1} mm are not printed there") } else { String::new() };
         let amount = format!("{}, {largest:.0} degrees at most{gaps}", counted(run.resolved.cut_turns.len(), "time"));
         let what = "paths are cut, since the nozzle would turn more sharply than --max-turn allows";
-        findings.add(Told, what, amount, "turns.csv");
+        findings.add(Warning, what, amount, "turns.csv");
     }
     let turns = run.resolved.sharp.iter().map(|turn| turn.angle.to_degrees());
     if let Some(largest) = turns.reduce(f64::max) {
         let amount = format!("{}, {largest:.0} degrees at most", counted(run.resolved.sharp.len(), "time"));
         let what = "the nozzle turns more sharply than --max-turn allows, and goes slowly: a cut would leave a gap in the bead";
-        findings.add(Told, what, amount, "turns.csv");
+        findings.add(Warning, what, amount, "turns.csv");
     }
     if !run.travels.blocked.is_empty() {
         let amount = run.travels.blocked.len().to_string();
@@ -375,9 +379,9 @@ fn of_feed(run: &MachineRun, findings: &mut Findings) {
     let [_, _, _, turning] = run.deposition.limits.shares();
     if turning > NOTABLE_TURNING {
         let (mean, asked) = (run.deposition.bead_mm / run.deposition.print_s, run.max_feed);
-        let amount = format!("{mean:.0} mm/s in the mean, at most {asked:.0} asked for");
-        let cause = format!("the nozzle turns as fast as it may for {} of the time of printing", percent(turning));
-        let finding = findings.explain(Told, "printing is slowed down by the turns of the nozzle", amount, "");
+        let amount = format!("mean {mean:.0} mm/s, maximum {asked:.0} mm/s");
+        let cause = format!("the nozzle turns at its limit for {} of the print time", percent(turning));
+        let finding = findings.explain(Warning, "turns of the nozzle slow down printing", amount, "");
         finding.cause(cause).try_to("a higher --max-turn-rate, if the machine permits");
     }
 }
@@ -389,15 +393,17 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
         let what = "beads span gaps, straight and held at both ends";
         let (count, longest) = (counted(support.spans.len(), "piece"), support.longest_span_mm());
         let amount = format!("{:.1} mm in {count}, the longest {longest:.1} mm", support.span_mm());
-        findings.add(Told, what, amount, "spans.csv");
+        findings.add(Warning, what, amount, "spans.csv");
     }
     if support.unsupported.is_empty() {
         return;
     }
     let (share, longest) = (support.unsupported_share(), support.longest_mm());
     let on = if args.mould.is_some() { "plate, mould" } else { "plate" };
-    let what =
-        format!("unsupported beads: neither {on} nor earlier bead within {} layer heights", args.support_distance);
+    let what = format!(
+        "unsupported beads: neither {on} nor earlier bead within {} layer heights",
+        args.support_distance_heights
+    );
     let long = support.unsupported.iter().filter(|piece| piece.length() > bead_mm).count();
     let amount = format!(
         "{:.1} of {:.1} mm, {}; {} longer than a bead is wide, the longest {longest:.1} mm, and {}",
@@ -412,11 +418,11 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
     let (_, grown) = args.complete.with_strategy(args.grow.strategy().is_none());
     let is_by_hulls = args.layers_by() == LayersBy::Hull && args.resume.is_none();
     let has_failed = limits.into_iter().any(|(value, limit)| value > limit);
-    let severity = if has_failed { Failed } else { Told };
+    let severity = if has_failed { Failed } else { Warning };
     findings
         .explain(severity, what, amount, "unsupported.csv")
         .cause(if borders_mm > 0.0 {
-            format!("layers end inside the part, along {borders_mm:.0} mm: beyond these ends beads of later layers may lie on nothing")
+            format!("layers end inside the part along {borders_mm:.0} mm; beads of later layers beyond these ends may be unsupported")
         } else {
             String::new()
         })
@@ -435,7 +441,7 @@ fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<
     let equipment = run.cell.equipment();
     let Some(bodies) = equipment.link_bodies().filter(|_| !run.without_links) else {
         let what = "the arm was planned without bodies: no motion is proven free of collisions";
-        return findings.add(Told, what, "", "--no-links");
+        return findings.add(Warning, what, "", "--no-links");
     };
     let (margin_mm, allowance_mm) = (run.margin_mm, equipment.model().arm.allowance_mm);
     let error = match bodies.is_estimate {
@@ -447,14 +453,14 @@ fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<
         bodies.model
     );
     let what = "motions are proven free for the bodies as they are modelled; nozzle against part and plate is sampled while it prints";
-    findings.add(Noted, what, amount, "--link-allowance, --margin");
+    findings.add(Note, what, amount, "--link-allowance, --margin");
     if bodies.is_estimate {
         let what = "the bodies of the arm are an estimate: real links may be thicker, try the motions slowly first";
-        findings.add(Told, what, "", "arm.bodies of the workcell");
+        findings.add(Warning, what, "", "arm.bodies of the workcell");
     }
     if margin_mm <= bodies.error_mm {
         let what = "the margin is not above the error of the arm's bodies: motions proven free may touch";
-        findings.add(Told, what, format!("{margin_mm} mm against {} mm", bodies.error_mm), "--margin");
+        findings.add(Warning, what, format!("{margin_mm} mm against {} mm", bodies.error_mm), "--margin");
     }
 }
 
@@ -492,11 +498,16 @@ fn of_plan<const N: usize, const F: usize>(
             "printing takes {printing:.1} min instead of {planned:.1}, at {} of the planned feed at least",
             percent(plan.min_pace)
         );
-        findings.add(Told, "motions are slowed down to keep the limits of joints and extruder", amount, "layers.csv");
+        findings.add(
+            Warning,
+            "motions are slowed down to keep the limits of joints and extruder",
+            amount,
+            "layers.csv",
+        );
     }
     if plan.slow_runs > 0 {
-        let what = "motions may take longer than their limits ask for: the search for the fastest timing ended before";
-        findings.add(Told, what, format!("{} of {}", plan.slow_runs, plan.runs.len()), "summary.json");
+        let what = "motions may be slower than their limits allow: the search for the fastest timing stopped early";
+        findings.add(Warning, what, format!("{} of {}", plan.slow_runs, plan.runs.len()), "summary.json");
     }
     let Some(checked) = checked else { return };
     let report = &checked.report;
@@ -509,7 +520,7 @@ fn of_plan<const N: usize, const F: usize>(
     if checked.unprinted_mm > 0.0 {
         let (mm, all) = (checked.unprinted_mm, checked.path_mm);
         let amount =
-            format!("{mm:.1} of {all:.1} mm, {}; beads above them, if any, lie on nothing", percent(unprinted));
+            format!("{mm:.1} of {all:.1} mm, {}; beads above them, if any, are unsupported", percent(unprinted));
         findings
             .explain(severity, "paths are not printed", amount, "left_out.csv, motion-faults.csv")
             .allow(accept("--allow-unprinted", unprinted));

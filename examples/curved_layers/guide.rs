@@ -4,7 +4,7 @@ use crate::complete::LayersBy;
 use crate::{Args, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::Findings;
-use curvlay_examples::findings::Severity::Told;
+use curvlay_examples::findings::Severity::Warning;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::waypoints::{fault, read_waypoints};
 use curvlay_layers::curved::{DirectionAt, LayerOptions, Workpiece};
@@ -122,7 +122,7 @@ impl GivenDirections {
         let of_all = |count: &usize| format!("{count} of {places}");
         if *outside > 0 {
             findings.add(
-                Told,
+                Warning,
                 format!("{name}: places lie outside of the part, and count for nothing"),
                 of_all(outside),
                 "",
@@ -133,7 +133,7 @@ impl GivenDirections {
             let what = format!(
                 "{name}: directions lean from upright by more than {max_tilt_deg:.0} degrees: {limit} (--max-layer-tilt)"
             );
-            findings.add(Told, what, of_all(too_steep), "");
+            findings.add(Warning, what, of_all(too_steep), "");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Stage `gcode`: waypoints along the paths, a nozzle that gouges nothing, and what it lays down how fast.
 
-use crate::Args;
+use crate::args::Args;
 use crate::field::FieldRun;
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
@@ -9,8 +9,7 @@ use curvlay_examples::bars::Bars;
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::mesh::Mesh;
 use curvlay_toolpath::deposit::Deposition;
-use curvlay_toolpath::gcode::Move;
-use curvlay_toolpath::gcode::marked_moves;
+use curvlay_toolpath::gcode::{Move, marked_moves};
 use curvlay_toolpath::gouging::{Nozzle, ResolvedPaths};
 use curvlay_toolpath::orientation::{OrientOptions, ToolPath, Turns};
 use curvlay_toolpath::plan::PrintPlan;
@@ -34,7 +33,7 @@ pub struct MachineRun {
     pub tip_mm: f64,
     /// The maximum print speed that was asked for, in millimetres a second.
     pub max_feed: f64,
-    /// Beads that lie on nothing.
+    /// Unsupported beads.
     pub support: BeadSupport,
     /// Area that beads cover by the thickness of the layer there, if that is measured.
     pub covered_mm3: Option<f64>,

@@ -1,6 +1,6 @@
 //! Stage `paths`: every surface filled with continuous curves, and what their beads cover.
 
-use crate::failure;
+use crate::args::failure;
 use crate::mould::Mould;
 use crate::ranges::LayerFill;
 use crate::surfaces::SurfacesRun;

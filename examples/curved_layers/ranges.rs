@@ -79,7 +79,7 @@ impl Pick {
 pub enum RangeError {
     #[error("--layers {first}..{last}: there are {count} layers; {}", advice(*.first, *.count))]
     Beyond { first: usize, last: usize, count: usize },
-    #[error("{of} pieces of {count} layers: some would be empty; take --layers K/{count} or fewer pieces")]
+    #[error("{of} pieces of {count} layers: some would be empty; use --layers K/{count} or fewer pieces")]
     Pieces { of: usize, count: usize },
     #[error("{}: cannot be read: {source}", .path.display())]
     Unreadable { path: PathBuf, source: io::Error },
@@ -87,7 +87,7 @@ pub enum RangeError {
     Input(InputError),
     #[error("{}: line {line}: {why}", .path.display())]
     Line { path: PathBuf, line: usize, why: String },
-    #[error("{}: these are no paths of a range of layers: --merge wants the paths.jsonl of runs with --layers", .path.display())]
+    #[error("{}: this file has no paths of a range of layers: --merge wants the paths.jsonl of runs with --layers", .path.display())]
     Format { path: PathBuf },
     #[error(
         "{}: the paths are on other surfaces: make them with the same mesh, --resume file, --layer-height and program",
@@ -95,14 +95,14 @@ pub enum RangeError {
     )]
     OtherSurfaces { path: PathBuf },
     #[error(
-        "{}: the paths were made with other options: --bead, --pattern, --least-gap, --join-distance, --least-length, --least-width, \
+        "{}: the paths were made with other options: --bead, --pattern, --min-gap, --join-distance, --min-length, --min-width, \
          --density, --support-density and what goes with them must be the same in all runs",
         .path.display()
     )]
     OtherOptions { path: PathBuf },
-    #[error("layers {}..{} are in {} and in {}: leave one of the files out", .layers[0], .layers[1], .paths[0].display(), .paths[1].display())]
+    #[error("layers {}..{} are in {} and in {}: omit one of the files", .layers[0], .layers[1], .paths[0].display(), .paths[1].display())]
     Overlap { layers: [usize; 2], paths: [PathBuf; 2] },
-    #[error("no file has layers {}: make them with --layers and name their files, too", listed(.0))]
+    #[error("no file has layers {}: fill them with --layers and add their files", listed(.0))]
     Missing(Vec<[usize; 2]>),
 }
 

@@ -1,6 +1,6 @@
 //! Stage `surfaces`: the order re-timed into uniform layers, contoured at a layer height, trimmed to the mesh.
 
-use crate::failure;
+use crate::args::failure;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::input::{self, InputError};

@@ -1,5 +1,6 @@
 //! The design: read from a file, or made in code.
 
+use super::fault::fault;
 use super::{Args, DrawingUnit, design};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_toolpath::drawing::{Drawing, SvgOptions, SvgScale, load_drawing, read_dxf, read_svg};
@@ -71,10 +72,6 @@ fn open(path: &Path) -> Result<BufReader<File>, Failure> {
         return Err(fault(path, format!("{size} MiB; drawings are read up to {} MiB", MAX_BYTES >> 20)));
     }
     Ok(BufReader::new(file))
-}
-
-pub fn fault(path: &Path, what: impl std::fmt::Display) -> Failure {
-    Failure::new(format!("{}: {what}", path.display()))
 }
 
 /// What a file has that is not drawn, for messages.

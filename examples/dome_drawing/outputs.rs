@@ -103,17 +103,17 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
     let mut findings = Findings::default();
     let drawing = &planned.drawing;
     if !drawing.skipped.is_empty() {
-        findings.add(Severity::Told, "entities are not drawn", input::skipped(drawing), "");
+        findings.add(Severity::Warning, "entities are not drawn", input::skipped(drawing), "");
     }
     let of_file = args.dxf.is_some() || args.svg.is_some();
     let [width, height] = planned.size_mm;
     for note in &drawing.notes {
         let options = if args.svg.is_some() && note.contains("pixels") { "--dpi, --unit" } else { "" };
-        findings.add(Severity::Told, note.as_str(), "", options);
+        findings.add(Severity::Warning, note.as_str(), "", options);
     }
     if drawing.unit_mm.is_none() && of_file && drawing.notes.is_empty() {
         let amount = format!("the design is {width:.1} by {height:.1} mm");
-        findings.add(Severity::Told, "the file names no unit; millimetres are taken", amount, "--unit");
+        findings.add(Severity::Warning, "the file names no unit; millimetres are taken", amount, "--unit");
     }
     if let Some(widest) = planned.gaps.iter().max_by(|a, b| a.width.total_cmp(&b.width)) {
         let count = planned.gaps.len();
@@ -122,30 +122,30 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
             widest.width, widest.at.x, widest.at.y
         );
         let join = (widest.width * 1050.0).ceil() / 1000.0;
-        findings.add(Severity::Told, "gaps keep contours open", amount, format!("--join {join}"));
+        findings.add(Severity::Warning, "gaps keep contours open", amount, format!("--join {join}"));
     }
     if planned.duplicates + planned.zero_length > 0 {
         let amount = format!("{} duplicates, {} of no length", planned.duplicates, planned.zero_length);
-        findings.add(Severity::Told, "pieces are removed", amount, "");
+        findings.add(Severity::Warning, "pieces are removed", amount, "");
     }
     let overlaps = &planned.overlaps;
     if overlaps.dropped > 0 {
         let amount = format!("{}, {:.1} mm2", overlaps.dropped, overlaps.dropped_mm2);
-        findings.add(Severity::Told, "pieces are too small", amount, "--min-area");
+        findings.add(Severity::Warning, "pieces are too small", amount, "--min-area");
     }
     if planned.filled.too_narrow > 0 {
         let amount = format!("{}, {:.1} mm2", planned.filled.too_narrow, planned.filled.too_narrow_mm2);
-        findings.add(Severity::Told, "regions are too narrow for a bead", amount, "--bead");
+        findings.add(Severity::Warning, "regions are too narrow for a bead", amount, "--bead");
     }
     program_findings(args, printed, &mut findings);
     let fills = !matches!(args.fill, super::FillKind::None) && !planned.overlaps.regions.is_empty();
     if fills && planned.coverage.covered < COVERED {
         let amount = format!("{} of the area", percent(1.0 - planned.coverage.covered));
-        findings.add(Severity::Told, "the beads leave gaps", amount, "--bead");
+        findings.add(Severity::Warning, "the beads leave gaps", amount, "--bead");
     }
     if fills && planned.coverage.overlap > OVERLAP {
         let amount = format!("{} of the area", percent(planned.coverage.overlap));
-        findings.add(Severity::Told, "beads lie on each other", amount, "--bead");
+        findings.add(Severity::Warning, "beads lie on each other", amount, "--bead");
     }
     findings
 }
@@ -184,7 +184,7 @@ fn program_findings(args: &Args, printed: &Printed, findings: &mut Findings) {
     }
     if run.joint_speed > 1.0 {
         let amount = format!("{} of its limit", percent(run.joint_speed));
-        findings.add(Severity::Told, "the robot slows down where a joint is at its limit of speed", amount, "");
+        findings.add(Severity::Warning, "the robot slows down where a joint is at its limit of speed", amount, "");
     }
 }
 

@@ -53,7 +53,7 @@ pub fn draw(planned: &Planned) -> Vec<Vec<u8>> {
     let mut scene = flat();
     for (k, stroke) in planned.filled.strokes.iter().enumerate() {
         let colour = if stroke.kind == StrokeKind::Open { OPEN } else { ramp((k % 7) as f64 / 7.0) };
-        // A little narrower, so that neighbours can be told apart.
+        // A little narrower, so that neighbours are distinguishable.
         line(&mut scene, &stroke.points, stroke.closed, 0.42 * stroke.width, colour, reach);
         if let Some(at) = stroke.points.first() {
             let at = Point3::new(at.x, at.y, stroke.width);

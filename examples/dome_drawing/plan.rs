@@ -1,6 +1,7 @@
 //! From the file to strokes on the surface.
 
-use super::input::{fault, skipped};
+use super::fault::fault;
+use super::input::skipped;
 use super::{Args, FillKind, ProjectionKind, input};
 use curvlay_examples::args::{Failure, warn};
 use curvlay_examples::bars::Bars;

@@ -1,12 +1,11 @@
 //! The robot: an arm, in the thesis an IRB 120, that holds the platform under a nozzle. Its program, and the checks of it.
 
-use super::plan::Planned;
 use super::saved::Plan;
 use super::stream::Command;
 use super::{Args, stream};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_kinematics::nalgebra::{Isometry3, Point2, Point3, UnitVector3, Vector3};
+use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::program::link::{
     LinkMessage, LinkOptions, LinkProgress, LinkRapidOptions, LinkTranslator, MAX_NUMBER, write_link_rapid,
 };
@@ -16,7 +15,6 @@ use curvlay_kinematics::program::{
 };
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::{Arm, nozzle_frame};
-use curvlay_toolpath::drawing::Surface;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -124,7 +122,7 @@ pub fn program(args: &Args, plan: &Plan, bars: &Bars) -> Result<Program, Failure
     bars.update("robot", 4, 5);
     let arm = Arm::new(args.setup.arm())?;
     let strokes = plan.dome_strokes();
-    let options = args.setup.options(args);
+    let options = args.setup.options(args.nozzle_height_mm);
     let print = print_on_dome(&args.setup.rig(), &arm, &strokes, &options);
     if print.strokes.is_empty() {
         let first = print.faults.first().map_or_else(|| "there is no stroke".to_owned(), ToString::to_string);
@@ -176,7 +174,7 @@ pub fn stream(
     commands: &Receiver<Command>,
     bars: &Bars,
 ) -> Result<LinkProgress, Failure> {
-    let options = args.setup.options(args);
+    let options = args.setup.options(args.nozzle_height_mm);
     let messages = || LinkTranslator::new(printed.program.print.steps(&options), args.pulse_reverse_ms);
     let total = messages().count() as u64 + 1;
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
@@ -193,22 +191,6 @@ pub fn stream(
     let report = |progress: &LinkProgress| bars.update("stream", u64::from(progress.done), total);
     stream::stream(address, messages, link, commands, &stream::SystemClock::start(), report)
         .map_err(|error| Failure::new(format!("--stream: {error}")))
-}
-
-/// The platform: the mesh that it is, or the hull of a surface of revolution, which is convex.
-pub fn platform(args: &Args, planned: &Planned) -> Shape {
-    if let Some(mesh) = &planned.mesh {
-        return Shape::Mesh { points: mesh.vertices.clone(), triangles: mesh.triangles.clone() };
-    }
-    let radius = 0.5 * args.platform_diameter_mm;
-    let ring = |share: f64| {
-        (0..48)
-            .map(move |k| TAU * f64::from(k) / 48.0)
-            .map(move |a| Point2::new(share * radius * a.cos(), share * radius * a.sin()))
-    };
-    let rings = (0..=16).flat_map(|k| ring(f64::from(k) / 16.0));
-    let points = rings.filter_map(|at| planned.carrier.over(&at)).map(|at| at.position).collect();
-    Shape::Hull { points, radius: 0.0 }
 }
 
 /// Where the platform is in the hand.
@@ -248,7 +230,7 @@ fn scene(args: &Args, plan: &Plan, arm: Arm) -> Result<Scene, Failure> {
 pub fn check(args: &Args, plan: &Plan, program: Program, seconds: Duration, bars: &Bars) -> Result<Printed, Failure> {
     let arm = Arm::new(args.setup.arm())?;
     let scene = scene(args, plan, arm)?;
-    let hop_mm = args.setup.options(args).hop_mm;
+    let hop_mm = args.setup.options(args.nozzle_height_mm).hop_mm;
     let mut touching: BTreeMap<String, usize> = BTreeMap::new();
     let (mut checked, mut blocked_travels) = (0, 0);
     let mut before: Option<[f64; 6]> = None;

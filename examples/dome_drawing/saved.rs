@@ -1,8 +1,8 @@
 //! A planned print in a file (`plan.json`): all that the program is written from, so that `--plan` writes it again without planning.
 
-use super::input::fault;
+use super::fault::fault;
 use super::plan::Planned;
-use super::robot;
+use super::platform::platform;
 use super::setup::Setup;
 use super::{Args, FillKind};
 use curvlay_examples::args::Failure;
@@ -178,7 +178,7 @@ impl Plan {
             setup: args.setup.clone(),
             layer_height_mm: args.layer_height_mm,
             nozzle_height_mm: args.nozzle_height_mm,
-            platform: match robot::platform(args, planned) {
+            platform: match platform(args, planned) {
                 Shape::Mesh { points, triangles } => {
                     Platform::Mesh { points: points.into_iter().map(Into::into).collect(), triangles }
                 }

@@ -1,7 +1,6 @@
 //! The rig and the process of a print on a dome, as data: what the thesis has as constants, from a JSON file (`--setup`).
 
-use super::Args;
-use super::input::fault;
+use super::fault::fault;
 use curvlay_examples::args::Failure;
 use curvlay_examples::input::read_text;
 use curvlay_kinematics::nalgebra::Point3;
@@ -187,15 +186,15 @@ impl Setup {
         DomeRig { top: self.contact_height_mm, effector: self.flange_height_mm, home: Point3::from(self.home_mm) }
     }
 
-    /// The motion.
-    pub fn options(&self, args: &Args) -> DomeOptions {
+    /// The motion, with a nozzle of this height.
+    pub fn options(&self, nozzle_mm: f64) -> DomeOptions {
         DomeOptions {
             print_mm_s: self.print_mm_s,
             plunge_mm_s: self.plunge_mm_s,
             hop_mm: self.hop_mm,
             corner_mm: self.corner_mm,
             pole_mm: self.pole_mm,
-            nozzle_mm: args.nozzle_height_mm,
+            nozzle_mm,
             ..DomeOptions::default()
         }
     }

@@ -16,98 +16,32 @@
 //!
 //! Collision indicators are measured (`svm_...`, `geometric_...`) and steer both filters past a post (`steered_...`).
 
+mod args;
 mod collisions;
 mod outputs;
 pub mod path;
 mod planning;
 mod plot;
+mod results;
+mod shortened;
 mod studied;
 
-use clap::{Parser, ValueEnum};
+pub use args::{Args, Cells};
 use collisions::{Amount, Study};
-use curvlay_examples::args::{Common, Failure, Outcome, above_zero, from_zero, run_with_args};
+use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::mesh::Up;
 use curvlay_examples::motion::shown::followed;
 use curvlay_examples::motion::{OnCell, STEP_S, Studied, centred, dissertation_cells, near_samples};
 use curvlay_examples::output::OutputFolder;
-use curvlay_examples::viewer::Model;
 use curvlay_kinematics::nalgebra::{Point3, UnitVector3};
-use curvlay_kinematics::workcell::{SixAxisCell, Workcell};
+use curvlay_kinematics::workcell::{SixAxisWorkcell, Workcell};
 use curvlay_trajectory::{LadderSearch, PathOptions, PathSegment, TimedPath, Timing, timed_path};
 use outputs::smoothest;
 use path::Path6;
-use planning::{Finer, METHODS, Plan, Planned, plan};
-use std::path::{Path, PathBuf};
+use planning::{Finer, METHODS, Plan, plan};
+pub use results::{Results, Run};
 use std::process::ExitCode;
 use std::time::Instant;
-
-/// Robot motion with little jerk along a curved layer, after Dai (2020), chapter 4.
-#[derive(Parser, Clone, Debug)]
-#[command(version, name = "jerk_motion")]
-pub struct Args {
-    /// Waypoints instead of the layer made in code: lines of `px py pz nx ny nz`, place in mm and direction of growth
-    #[arg(value_name = "WAYPOINTS", conflicts_with = "waypoints")]
-    file: Option<PathBuf>,
-    /// The same file by an option
-    #[arg(long, value_name = "FILE")]
-    waypoints: Option<PathBuf>,
-    /// Which axis of the file points up
-    #[arg(long, default_value = "z", allow_hyphen_values = true)]
-    up: Up,
-    /// Feed in mm/s; without it, a waypoint every 0.1807 s
-    #[arg(long = "feed", value_name = "MM/S", value_parser = above_zero, allow_negative_numbers = true)]
-    feed_mm_s: Option<f64>,
-    /// Waypoints of the spiral, 0.88 mm apart
-    #[arg(long, value_name = "N", default_value_t = 2545, value_parser = clap::value_parser!(u32).range(5..=20_000))]
-    count: u32,
-    /// Rounding of the spiral's crest in millimetres
-    #[arg(long = "crest", value_name = "MM", default_value_t = 9.0, value_parser = crest, allow_negative_numbers = true)]
-    crest_mm: f64,
-    /// Which robots to plan for
-    #[arg(long, value_enum, default_value_t = Cells::Both)]
-    robots: Cells,
-    /// Waypoints in the study of noise, from the first on; 0 leaves it out
-    #[arg(long = "noise", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=20_000))]
-    noise_count: u32,
-    /// A closed part as built so far, where the waypoints have it; without it, a slab a layer below them
-    #[arg(long, value_name = "FILE")]
-    part: Option<PathBuf>,
-    /// Diameter of a ball, the head of a post, that stands where wrist 2 passes in the middle of the path: something to keep clear
-    /// of; 0 for none [default: 50, with waypoints from a file 0]
-    #[arg(long = "post", value_name = "MM", value_parser = post, allow_negative_numbers = true)]
-    post_mm: Option<f64>,
-    /// Postures near the surface, and again on it, that collision indicators are measured with; 0 leaves them out
-    #[arg(long = "samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
-    sample_count: u32,
-    /// Postures that collision indicators learn from
-    #[arg(long = "training", value_name = "N", default_value_t = 3020, value_parser = clap::value_parser!(u32).range(30..=20_000))]
-    training_count: u32,
-    /// By which share the global filter may pass a limit of jerk: beyond it the exit status is 3
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true)]
-    allow_jerk: f64,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// Which robots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Cells {
-    /// A UR3 with the part in its hand
-    Ur3,
-    /// An IRB 1200 over an A-250
-    Cell8,
-    /// One after the other
-    Both,
-}
-
-fn post(text: &str) -> Result<f64, String> {
-    from_zero(text).and_then(|mm| if mm <= 1000.0 { Ok(mm) } else { Err("must be at most 1000".to_owned()) })
-}
-
-fn crest(text: &str) -> Result<f64, String> {
-    above_zero(text).and_then(|mm| if mm <= 1000.0 { Ok(mm) } else { Err("must be at most 1000".to_owned()) })
-}
 
 /// Degrees by which directions are disturbed in the study of noise, and its seed.
 const NOISE_DEG: [u32; 3] = [5, 10, 15];
@@ -117,50 +51,6 @@ const NOISY_METHODS: usize = 3;
 
 /// Samples of tilt and turn of the table on the grid, a degree apart.
 const TABLE_GRID: [u32; 2] = [121, 360];
-
-/// A robot's motions over the path, and over a noisy one for each level of noise.
-pub struct Run<const N: usize> {
-    /// `ur3` or `cell8`.
-    pub robot: &'static str,
-    /// A motion for each method.
-    pub planned: Vec<Planned<N>>,
-    /// What there is no motion for, in words.
-    pub notes: Vec<String>,
-    /// Degrees of noise, and the motions there.
-    pub noisy: Vec<(u32, Vec<Planned<N>>)>,
-    /// The smoothest motion, to be played.
-    pub shown: Option<Model>,
-}
-
-/// All that came out.
-pub struct Results {
-    /// The path in pieces.
-    pub path: TimedPath,
-    /// Waypoints that were given.
-    pub given: usize,
-    /// With the part in the hand of a UR3.
-    pub ur3: Option<Run<6>>,
-    /// With eight axes.
-    pub cell8: Option<Run<8>>,
-    /// Collisions on the UR3.
-    pub study: Option<Study>,
-}
-
-/// Diameter of the post beside the path that is made in code.
-const POST_MM: f64 = 50.0;
-
-impl Args {
-    /// The diameter of the post, if there is one.
-    fn post(&self) -> Option<f64> {
-        let beside = if self.waypoints().is_some() { 0.0 } else { POST_MM };
-        Some(self.post_mm.unwrap_or(beside)).filter(|&mm| mm > 0.0)
-    }
-
-    /// The waypoints of the user, however they were given.
-    fn waypoints(&self) -> Option<&Path> {
-        self.file.as_deref().or(self.waypoints.as_deref())
-    }
-}
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
@@ -207,7 +97,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Results,
 /// Table 4.1 on the smoothest motion of the UR3.
 fn study_collisions(
     run: &Run<6>,
-    cell: &SixAxisCell,
+    cell: &SixAxisWorkcell,
     timed: &TimedPath,
     args: &Args,
     bars: &Bars,

@@ -2,6 +2,7 @@
 
 use super::planning::{FREED, Figures, HistoryStep, Planned, beyond};
 use super::plot::{Curve, draw};
+use super::shortened::{FAULTS, shortened};
 use super::studied::{find_collisions, report_study, set_study};
 use super::{Args, Results, Run};
 use curvlay_examples::args::{Failure, typed_name};
@@ -30,10 +31,6 @@ const JOINTS: [[u8; 3]; 8] = [
 /// Waypoints are met within this.
 const MET_MM: f64 = 1e-6;
 const MET_RAD: f64 = 1e-9;
-
-/// The list of what is wrong with the path, and how much of it is told elsewhere.
-const FAULTS: &str = "path-faults.txt";
-pub const TOLD: usize = 12;
 
 /// Table 4.2 of the dissertation, its layer of 2,545 waypoints on its own UR3: J, greatest jerk, seconds.
 const PAPER: [(&str, f64, f64, f64); 2] =
@@ -89,7 +86,7 @@ impl Results {
     /// What is wrong with the path, and with the motions on it.
     pub fn findings(&self, args: &Args) -> Findings {
         let mut findings = Findings::default();
-        told(self.faults()).into_iter().for_each(|fault| findings.add(Severity::Told, fault, "", ""));
+        shortened(self.faults()).into_iter().for_each(|fault| findings.add(Severity::Warning, fault, "", ""));
         for (name, figures) in self.rows() {
             if !(figures.missed_mm <= MET_MM && figures.missed_rad <= MET_RAD) {
                 let amount = format!("by {:.1e} mm, {:.1e} rad", figures.missed_mm, figures.missed_rad);
@@ -194,14 +191,6 @@ fn knots<const N: usize>(trajectories: &[Trajectory<N>], out: &mut dyn Write) ->
         }
     }
     Ok(())
-}
-
-/// What is told of what is wrong with the path, and where to find what is too much to tell.
-pub fn told(mut faults: Vec<String>) -> Vec<String> {
-    let more = faults.len().saturating_sub(TOLD);
-    faults.truncate(TOLD);
-    faults.extend((more > 0).then(|| format!("{more} more like these in {FAULTS}")));
-    faults
 }
 
 /// All methods. The greatest jerk by Eq. 4.10 is what the dissertation has, that of the spline is what runs.

@@ -25,7 +25,7 @@ const BEYOND: f64 = 1e-6;
 /// How often a path through a few samples is refined: from 10 degrees to 2.5.
 const REFINEMENTS: u32 = 2;
 
-/// Waypoints on either side of a break on which least speeds are told. It lies where the rest is shortest, not at what
+/// Waypoints on either side of a break for which lower bounds on the speed are reported. It lies where the rest is shortest, not at what
 /// cannot be passed.
 const ABOUT_BREAK: usize = 24;
 

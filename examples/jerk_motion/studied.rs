@@ -1,7 +1,7 @@
 //! What the study of collisions leaves behind: findings, keys of `summary.json`, and its part of `report.html`.
 
 use super::collisions::{Audit, PAPER_SHIFT, Row, Steered, Study};
-use super::outputs::TOLD;
+use super::shortened::MAX_LINES;
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::report::Report;
@@ -20,7 +20,7 @@ pub fn find_collisions(study: &Study, findings: &mut Findings) {
         if !audit.unproven.is_empty() {
             let what = format!("{}: steps are not proven free of collisions", steered.name());
             let amount = format!("{} of {}; {} after repair", audit.unproven.len(), audit.steps, after.unproven.len());
-            findings.add(Severity::Told, what, amount, "report.html");
+            findings.add(Severity::Warning, what, amount, "report.html");
         }
     }
 }
@@ -192,7 +192,7 @@ pub fn report_study(study: &Study, report: &mut Report) {
     report.paragraph(&format!(
         "Of {near} postures near the working surface {near_collide} collide, of {on} on it {on_collide}, by the exact \
          scene. TNR is the share of free ones that are said to be free (Eq. 4.16), missed the share of colliding ones \
-         that are not; the dissertation does not tell the latter. It adds 1 to the bias of its machines, which predicts more \
+         that are not; the dissertation does not report the latter. It adds 1 to the bias of its machines, which predicts more \
          collisions, right and wrong: shifted rows are ours with the same. \
          Its figures are those of other surfaces and another head."
     ));
@@ -226,5 +226,5 @@ pub fn report_study(study: &Study, report: &mut Report) {
              and splits the motion where joints would be too fast; it does not look at acceleration and jerk.",
         );
     }
-    study.collisions.iter().take(TOLD).chain(&study.notes).for_each(|line| _ = report.notice(line));
+    study.collisions.iter().take(MAX_LINES).chain(&study.notes).for_each(|line| _ = report.notice(line));
 }

@@ -34,11 +34,10 @@ use std::time::Instant;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "planar_arm")]
 pub struct Args {
-    /// Most samples; 1,698 in the dissertation
+    /// Maximum number of samples; 1,698 in the dissertation
     #[arg(long, value_name = "N", default_value_t = 1698, value_parser = clap::value_parser!(u32).range(200..=20_000), allow_negative_numbers = true)]
     samples: u32,
-    /// Random samples on the contact space to begin with: where none of them falls into a pocket of free postures, no stage
-    /// finds it
+    /// Number of random samples on the contact space at the start; no stage finds a pocket of free postures without one of them
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(20..=10_000), allow_negative_numbers = true)]
     initial: u32,
     /// Seed of the random numbers

@@ -2,8 +2,9 @@
 
 use super::Args;
 use super::drawing::{build, picture};
-use super::reaching::{Cell, Found, Reached, TOOL_ANGLES, is_in_box};
+use super::reaching::{Cell, Found, Reached, is_in_box};
 use super::standing::Worth;
+use super::tried::TOOL_ANGLES;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;

@@ -1,7 +1,9 @@
 //! Sampling, placing, and what the placed nozzle is worth.
 
 use super::Args;
+use super::arms::ArmName;
 use super::standing::{self, CELLS, Stood, Worth};
+use super::tried::{ALONG, TOOL_ANGLES, part};
 use clap::ValueEnum;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
@@ -9,67 +11,12 @@ use curvlay_examples::findings::{Findings, Severity};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::workcell::WorkcellModel;
 use curvlay_kinematics::{
-    Arm, ArmModel, POSITION_TOLERANCE, Placement, ReachOptions, Waypoint, fullest_box, nozzle_frame, reachable_points,
-    robots,
+    Arm, POSITION_TOLERANCE, Placement, ReachOptions, fullest_box, nozzle_frame, reachable_points,
 };
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
-
-/// An arm as it is typed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ArmName {
-    Ur3,
-    Ur3e,
-    Ur5,
-    Ur5e,
-    Irb120,
-    Irb1200,
-}
-
-impl ArmName {
-    pub fn model(self) -> &'static ArmModel {
-        match self {
-            ArmName::Ur3 => &robots::UR3,
-            ArmName::Ur3e => &robots::UR3E,
-            ArmName::Ur5 => &robots::UR5,
-            ArmName::Ur5e => &robots::UR5E,
-            ArmName::Irb120 => &robots::IRB120,
-            ArmName::Irb1200 => &robots::IRB1200,
-        }
-    }
-
-    /// As workcells call it.
-    fn in_files(self) -> &'static str {
-        match self {
-            ArmName::Ur3 => "UR3",
-            ArmName::Ur3e => "UR3e",
-            ArmName::Ur5 => "UR5",
-            ArmName::Ur5e => "UR5e",
-            ArmName::Irb120 => "IRB120",
-            ArmName::Irb1200 => "IRB1200",
-        }
-    }
-
-    /// As its maker writes it.
-    pub fn title(self) -> &'static str {
-        match self {
-            ArmName::Ur3 => "UR3",
-            ArmName::Ur3e => "UR3e",
-            ArmName::Ur5 => "UR5",
-            ArmName::Ur5e => "UR5e",
-            ArmName::Irb120 => "IRB 120-3/0.6",
-            ArmName::Irb1200 => "IRB 1200-7/0.7",
-        }
-    }
-}
-
-/// Tool angles tried at each waypoint: the dissertation's number (section 3.5.3).
-pub const TOOL_ANGLES: u32 = 30;
-
-/// Waypoints along an edge of the part that is tried out: it fills half the box.
-pub const ALONG: usize = 5;
 
 /// What an arm reaches, and its nozzle.
 pub struct Reached {
@@ -131,7 +78,7 @@ fn findings(arms: &[Reached], cells: &[Cell]) -> Findings {
         let amount = format!("{} of {} at the best place", arm.waypoints - arm.stood.best.free, arm.waypoints);
         findings
             .explain(
-                Severity::Told,
+                Severity::Warning,
                 format!("{}: waypoints of the part have no free posture", arm.name.title()),
                 amount,
                 "",
@@ -143,7 +90,7 @@ fn findings(arms: &[Reached], cells: &[Cell]) -> Findings {
     for cell in cells {
         // On stdout and in the report a line each: what it would gain, and why it stays.
         let is_best = cell.stood.now.is_none_or(|now| now.free >= cell.stood.best.free);
-        let severity = if is_best { Severity::Noted } else { Severity::Told };
+        let severity = if is_best { Severity::Note } else { Severity::Warning };
         findings.add(severity, cell.name.clone(), cell.stood.verdict().unwrap_or_default(), "");
     }
     findings
@@ -221,7 +168,7 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
     let time = start.elapsed();
 
     let nozzle = nozzle_frame(&stood.best.place, &-Vector3::z_axis());
-    let cell = curvlay_kinematics::Cell::part_in_hand(arm, flange_part, nozzle)?;
+    let cell = curvlay_kinematics::Setup::part_in_hand(arm, flange_part, nozzle)?;
     let (mut waypoints_reached, mut configurations, mut worst_mm) = (0, 0, 0.0f64);
     let mut posture = None;
     let waypoints = part(0.5 * args.box_mm, ALONG);
@@ -252,19 +199,4 @@ fn reach(name: ArmName, args: &Args) -> Result<Reached, Failure> {
         recounted,
         time,
     })
-}
-
-/// A cube that stands on the platform and grows upwards, with so many waypoints along an edge: layer by layer.
-pub fn part(edge: f64, along: usize) -> Vec<Waypoint> {
-    let step = |k: usize| edge * k as f64 / (along - 1) as f64;
-    let mut waypoints = Vec::with_capacity(along.pow(3));
-    for z in 0..along {
-        for y in 0..along {
-            for x in 0..along {
-                let position = Point3::new(step(x) - 0.5 * edge, step(y) - 0.5 * edge, step(z));
-                waypoints.push(Waypoint { position, axis: Vector3::z_axis() });
-            }
-        }
-    }
-    waypoints
 }

@@ -1,7 +1,7 @@
 //! From the mesh to audited parts.
 
 use super::ways::{Found, Ways, sought};
-use super::{Args, Avoid, Base, print};
+use super::{Args, Avoid, Base, workcell};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
@@ -73,7 +73,7 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     placed.translation = onto_plate(&mut mesh).into();
     let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright).map_err(no_root)?;
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
-    let head = if args.avoid == Avoid::Head { Some(print::head(args, &mesh)?) } else { None };
+    let head = if args.avoid == Avoid::Head { Some(workcell::head(args, &mesh)?) } else { None };
     let tuning = TuningOptions {
         max_angle,
         platform,
@@ -128,9 +128,9 @@ pub fn reason(left: &Left) -> String {
         LeftReason::NoPiece => "planes take off too small pieces or such that would float".to_owned(),
         LeftReason::MaxParts => format!("{best} there are --max-parts"),
         LeftReason::TooLittle => "what planes take off is hardly less risky".to_owned(),
-        LeftReason::Platform => format!("{best} the head would be in the plate"),
-        LeftReason::Part(part) if part == left.part => format!("{best} the head would be in what is left of it"),
-        LeftReason::Part(part) => format!("{best} the head would be in part {}", part + 1),
+        LeftReason::Platform => format!("{best} the head would collide with the plate"),
+        LeftReason::Part(part) if part == left.part => format!("{best} the head would collide with the rest of it"),
+        LeftReason::Part(part) => format!("{best} the head would collide with part {}", part + 1),
         LeftReason::Weak => format!("{best} a seam would be too weak"),
         LeftReason::Unsound => format!("{best} a piece would touch itself along an edge"),
         _ => format!("{best} the search ended before"),
@@ -237,12 +237,17 @@ impl Divided {
         }
         if is_full {
             let amount = args.max_parts.to_string();
-            findings.add(Severity::Told, "there are as many parts as may be", amount, "--max-parts");
+            findings.add(Severity::Warning, "there are as many parts as may be", amount, "--max-parts");
         }
         if let Some(pedestal) = &self.pedestal {
             let amount = format!("{:.1} mm high, {:.0} mm3", pedestal.height_mm(), pedestal.volume_mm3());
             findings
-                .explain(Severity::Told, "the part stands on a pedestal that is to be cut off", amount, "pedestal.stl")
+                .explain(
+                    Severity::Warning,
+                    "the part stands on a pedestal that is to be cut off",
+                    amount,
+                    "pedestal.stl",
+                )
                 .try_to("--pedestal 0, without one");
         }
         for hold in self.parts.holds.iter().filter(|hold| hold.share() > 1.0) {
@@ -250,7 +255,7 @@ impl Divided {
             let amount = format!("{:.1} MPa, {:.1} allowed", hold.stress_mpa, hold.allowed_mpa);
             let place = format!("part {}, which carries {:.1} cm3", hold.part + 1, 1e-3 * hold.carried_mm3);
             findings
-                .explain(Severity::Told, what, amount, place)
+                .explain(Severity::Warning, what, amount, place)
                 .try_to(if hold.on_platform && args.base != Base::Best { "--base best" } else { "" })
                 .try_to("a brim, or what is known of the bond: --bond, --plate-bond, --print-force, --safety");
         }
@@ -263,7 +268,7 @@ impl Divided {
             findings.add(Severity::Failed, "points are in no part, or in several", amount, "");
         }
         for [a, b] in &self.crossing {
-            findings.add(Severity::Told, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
+            findings.add(Severity::Warning, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
         }
         for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
             let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);
@@ -274,7 +279,7 @@ impl Divided {
         }
         let (hanging, layers) = (audit.hanging_layers.iter().sum::<usize>(), audit.layers.iter().sum::<usize>());
         if let Some(WorstLayer { part, layer, share }) = audit.worst_layer.filter(|_| hanging > 0) {
-            let what = format!("layers lie on nothing by more than {}", percent(args.allow_unsupported));
+            let what = format!("layers are unsupported by more than {}", percent(args.allow_unsupported));
             let amount = format!("{hanging} of {layers}, {:.1} mm2 in all", self.unsupported_mm2());
             let place = format!("parts.csv; most, {}, in layer {} of part {}", percent(share), layer + 1, part + 1);
             findings.explain(Severity::Failed, what, amount, place).allow(accept("--allow-unsupported", share));

@@ -9,269 +9,22 @@
 //! ```
 //! Without `--mesh` it prints a shape made in code that no single direction prints without support. `--help` lists the options.
 
+mod args;
 mod decompose;
 mod drawing;
+mod made;
 mod outputs;
 mod print;
 mod ways;
+mod workcell;
 
-use clap::{Parser, ValueEnum};
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, above_zero, from_zero, run_with_args, share};
+pub use args::{Args, Avoid, Base, Method, PatternName, Stage};
+use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::Printed;
-use curvlay_examples::nalgebra::Vector3;
 use curvlay_examples::output::OutputFolder;
-use curvlay_layers::planar::robofdm::{SeamStrength, TuningOptions};
-use decompose::Divided;
-use std::path::PathBuf;
+pub use made::Made;
 use std::process::ExitCode;
 use std::time::Instant;
-
-/// A part printed along several directions without support by a robot, after RoboFDM (2017).
-#[derive(Parser, Clone, Debug)]
-#[command(version, name = "robofdm")]
-pub struct Args {
-    #[command(flatten)]
-    mesh: MeshArgs,
-    /// How far to go
-    #[arg(long, value_name = "NAME", default_value = "motion")]
-    stage: Stage,
-    /// Levels of thickness by which the part is segmented [default: chosen by a criterion]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
-    parts: Option<u32>,
-    /// The segment that is printed first, by its number in segments.png, from 0 [default: the best]
-    #[arg(long, value_name = "N")]
-    root: Option<u32>,
-    /// Which way the part stands
-    #[arg(long, value_name = "NAME", default_value = "up")]
-    base: Base,
-    /// How the parts are found
-    #[arg(long, value_name = "NAME", default_value = "auto")]
-    method: Method,
-    /// Height of the pedestal between the plate and the first part in millimetres, a prism below its first layer that is cut off afterwards, so that
-    /// a tilted head has room; 0 for none [default: none, or where more than --allow-risky is left without one the lowest that makes room]
-    #[arg(long = "pedestal", value_name = "MM", value_parser = from_zero, allow_negative_numbers = true)]
-    pedestal_mm: Option<f64>,
-    /// What keeps the head out of what stands
-    #[arg(long, value_name = "NAME", default_value = "head")]
-    avoid: Avoid,
-    /// Partial results that the beam search keeps
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
-    width: u16,
-    /// Angle from upright by which a side may lean out without support, in degrees
-    #[arg(long = "angle", value_name = "DEG", default_value_t = 45.0, value_parser = acute, allow_negative_numbers = true)]
-    angle_deg: f64,
-    /// Most parts
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
-    max_parts: u16,
-    /// The least share of the volume that is cut off as a part
-    #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
-    min_part: f64,
-    /// Share of the risky area, sides that lean out over nothing, that may be left: with more the exit status is 3
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
-    allow_risky: f64,
-    /// Share of a layer, or of a mean layer of its part if that is larger, that may lie on nothing: if one has more the exit status is 3
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
-    allow_unsupported: f64,
-    /// Places that are tried for each plane of the sequence
-    #[arg(long, value_name = "N", default_value_t = TuningOptions::default().perturbations, value_parser = clap::value_parser!(u32).range(..=1000), allow_negative_numbers = true, help_heading = TUNING)]
-    perturbations: u32,
-    /// How far a plane of the sequence is moved at most, as a share of the diagonal of the part's box
-    #[arg(long, value_name = "SHARE", default_value_t = TuningOptions::default().max_offset, value_parser = share, allow_negative_numbers = true, help_heading = TUNING)]
-    max_offset: f64,
-    /// How far it is turned at most, in degrees
-    #[arg(long = "max-turn", value_name = "DEG", default_value_t = 5.0, value_parser = acute, allow_negative_numbers = true, help_heading = TUNING)]
-    max_turn_deg: f64,
-    /// How many times as large its section may become
-    #[arg(long, value_name = "FACTOR", default_value_t = TuningOptions::default().max_section, value_parser = from_one, allow_negative_numbers = true, help_heading = TUNING)]
-    max_section: f64,
-    /// Of how many parts, the riskiest first, a cut is sought each time
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true, help_heading = TUNING)]
-    candidates: u16,
-    /// Normals of cuts that are tried, over the upper half of the sphere
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true, help_heading = TUNING)]
-    normals: u16,
-    /// Distance of the cuts that are tried, in millimetres
-    #[arg(long = "spacing", value_name = "MM", default_value_t = TuningOptions::default().spacing, value_parser = above_zero, allow_negative_numbers = true, help_heading = TUNING)]
-    spacing_mm: f64,
-    /// How often that distance is halved when no cut is worth it any more; 0 in the paper
-    #[arg(long, value_name = "N", default_value_t = TuningOptions::default().halvings, value_parser = clap::value_parser!(u32).range(..=8), allow_negative_numbers = true, help_heading = TUNING)]
-    halvings: u32,
-    /// No two base sections intersect: constraint I of the paper to the letter
-    #[arg(long, help_heading = TUNING)]
-    keep_sections_apart: bool,
-    /// Height of a layer in millimetres
-    #[arg(long, value_name = "MM", default_value_t = 0.8, value_parser = above_zero, allow_negative_numbers = true)]
-    layer_height: f64,
-    /// Width of a bead in millimetres [default: one and a half times the height of a layer]
-    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
-    bead: Option<f64>,
-    /// How layers are filled
-    #[arg(long, value_name = "NAME", default_value = "spiral")]
-    pattern: PatternName,
-    /// Workcell of the motion, a JSON file; docs/formats.md describes it [default: a UR3 that holds the part under a nozzle]
-    #[arg(long, value_name = "FILE")]
-    workcell: Option<PathBuf>,
-    /// Puts the nozzle of a cell that holds the part where the arm reaches most
-    #[arg(long)]
-    place_nozzle: bool,
-    /// Edge of the cells by which the robot sees the part, in millimetres [default: some 20,000 cells]
-    #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
-    cell_mm: Option<f64>,
-    /// Direction of the load on the finished part, x,y,z: the angle of each seam to it is written
-    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
-    load: Option<Vector3<f64>>,
-    /// Filaments that the parts take in turn
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
-    filaments: u32,
-    /// Time to change a filament, in seconds
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = from_zero, allow_negative_numbers = true)]
-    change_s: f64,
-    /// Density of the material in g/cm3
-    #[arg(long = "density", value_name = "G_CM3", default_value_t = SeamStrength::default().density_g_cm3, value_parser = from_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
-    density_g_cm3: f64,
-    /// Force of the nozzle on the part in newtons: from any side, at the farthest place
-    #[arg(long = "print-force", value_name = "N", default_value_t = SeamStrength::default().print_force_n, value_parser = from_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
-    print_force_n: f64,
-    /// Strength of the bond between parts in MPa
-    #[arg(long = "bond", value_name = "MPA", default_value_t = SeamStrength::default().bond_mpa, value_parser = above_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
-    bond_mpa: f64,
-    /// Strength of the bond to the plate in MPa
-    #[arg(long = "plate-bond", value_name = "MPA", default_value_t = SeamStrength::default().platform_bond_mpa, value_parser = above_zero, allow_negative_numbers = true, help_heading = STRENGTH)]
-    plate_bond_mpa: f64,
-    /// By which factor the stress in a seam must stay below that
-    #[arg(long, value_name = "FACTOR", default_value_t = SeamStrength::default().safety, value_parser = from_one, allow_negative_numbers = true, help_heading = STRENGTH)]
-    safety: f64,
-    /// Seams of any size, as in the paper
-    #[arg(long, conflicts_with_all = ["density_g_cm3", "print_force_n", "bond_mpa", "plate_bond_mpa", "safety"], help_heading = STRENGTH)]
-    any_seam: bool,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// Heading of the strength of seams.
-const STRENGTH: &str = "Strength of seams";
-
-/// Heading of `--help`; defaults are the paper's, but for `--halvings` and constraint I.
-const TUNING: &str = "Tuning of planes";
-
-/// How far a run goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum Stage {
-    /// The parts.
-    Parts,
-    /// Layers and tool paths as well.
-    Paths,
-    /// All of it, to robot programs.
-    Motion,
-}
-
-/// The first direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Base {
-    /// As it stands in the file.
-    Up,
-    /// The direction of the root with the least risky area.
-    Best,
-}
-
-/// How the parts are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// `robofdm`, and where it leaves more than `--allow-risky` the beam search as well; of both what leaves less.
-    Auto,
-    /// Segments by skeleton and thickness, their sequence, planes that are tuned.
-    Robofdm,
-    /// A beam search over cutting planes, after Wu et al. (2020), from these segments and from the solid in one piece.
-    Beam,
-}
-
-/// What keeps the head out of what stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Avoid {
-    /// Base planes look up: constraint II of the dissertation.
-    Planes,
-    /// The head of the workcell, as cone and block, meets nothing that stands.
-    Head,
-}
-
-/// How layers are filled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PatternName {
-    /// One curve for each region, from its outline inward.
-    Spiral,
-    /// Closed curves, one inside the other.
-    Contours,
-    /// Rows, to and fro.
-    Zigzag,
-}
-
-fn acute(text: &str) -> Result<f64, String> {
-    above_zero(text).and_then(|deg| if deg < 90.0 { Ok(deg) } else { Err("must be below 90".to_owned()) })
-}
-
-fn from_one(text: &str) -> Result<f64, String> {
-    above_zero(text).and_then(|factor| if factor >= 1.0 { Ok(factor) } else { Err("must be 1 or more".to_owned()) })
-}
-
-fn direction(text: &str) -> Result<Vector3<f64>, String> {
-    let numbers: Vec<f64> = text.split(',').map(|number| number.trim().parse().unwrap_or(f64::NAN)).collect();
-    match numbers[..] {
-        [x, y, z] if Vector3::new(x, y, z).norm() > 0.0 && Vector3::new(x, y, z).norm().is_finite() => {
-            Ok(Vector3::new(x, y, z))
-        }
-        _ => Err("must be three numbers, not all 0".to_owned()),
-    }
-}
-
-impl Args {
-    /// What seams must hold.
-    fn strength(&self) -> Option<SeamStrength> {
-        let strength = SeamStrength {
-            density_g_cm3: self.density_g_cm3,
-            print_force_n: self.print_force_n,
-            bond_mpa: self.bond_mpa,
-            platform_bond_mpa: self.plate_bond_mpa,
-            safety: self.safety,
-        };
-        (!self.any_seam).then_some(strength)
-    }
-
-    fn bead_mm(&self) -> f64 {
-        self.bead.unwrap_or(1.5 * self.layer_height)
-    }
-}
-
-/// What a run makes.
-pub struct Made {
-    /// How many there are in turn.
-    pub filaments: u32,
-    /// Direction of the load.
-    pub load: Option<Vector3<f64>>,
-    /// The parts.
-    pub divided: Divided,
-    /// How they are printed.
-    pub printed: Option<Printed>,
-}
-
-impl Made {
-    /// The least angle between the load and the normal of a seam of a part, in radians.
-    pub fn load_angle(&self, part: usize) -> Option<f64> {
-        let load = self.load?;
-        let angles = self.divided.parts.parts[part].seams.iter().filter_map(|seam| seam.load_angle(&load));
-        angles.reduce(f64::min)
-    }
-
-    /// The number of the part of a layer, from 1; 0 is the pedestal.
-    pub fn part_of(&self, printed: &Printed, layer: u32) -> usize {
-        printed.part_of(layer as usize) + 1 - self.divided.before_parts()
-    }
-
-    /// That of all seams.
-    pub fn least_load_angle(&self) -> Option<f64> {
-        (0..self.divided.parts.parts.len()).filter_map(|part| self.load_angle(part)).reduce(f64::min)
-    }
-}
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
@@ -290,7 +43,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Made, Ou
         return Err(Failure::of_arguments("--pedestal gives the head room: it does nothing with --avoid planes"));
     }
     // Read once before the work: a workcell that is not there is no news for the end of it.
-    print::model(args)?;
+    workcell::model(args)?;
     let divided = decompose::divide(args, bars)?;
     let printed = if args.stage > Stage::Parts { Some(print::print(args, &divided, bars)?) } else { None };
     bars.finish();

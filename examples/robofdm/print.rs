@@ -1,17 +1,15 @@
 //! From parts to layers, tool paths, joint motion and programs.
 
 use super::decompose::Divided;
+use super::workcell::model;
 use super::{Args, PatternName, Stage};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::input;
-use curvlay_examples::mesh::Mesh;
-use curvlay_examples::motion::{FlatPrint, Printed, UR3_CELL, nozzle_of, plate_mm, print_parts};
+use curvlay_examples::motion::{FlatPrint, Printed, print_parts};
 use curvlay_examples::nalgebra::{Isometry3, Vector3};
-use curvlay_kinematics::workcell::{AnyWorkcell, Held, WorkcellModel};
+use curvlay_kinematics::workcell::{AnyWorkcell, Held};
 use curvlay_kinematics::{ReachOptions, fullest_box, reachable_points};
 use curvlay_layers::planar::flat_layers;
-use curvlay_layers::planar::robofdm::Head;
 use curvlay_toolpath::deposit::DepositionOptions;
 use curvlay_toolpath::path::Pattern;
 
@@ -44,30 +42,6 @@ pub fn print(args: &Args, divided: &Divided, bars: &Bars) -> Result<Printed, Fai
         moves: args.stage == Stage::Motion,
     };
     print_parts(&print, &cell(args, divided)?, bars)
-}
-
-/// The head of the workcell and its plate, as the search for parts takes them.
-pub fn head(args: &Args, mesh: &Mesh) -> Result<Head, Failure> {
-    let cell = AnyWorkcell::new(model(args)?)?;
-    let nozzle = nozzle_of(cell.equipment())?;
-    Ok(Head {
-        tip_radius: nozzle.tip_radius(),
-        cone_half_angle: cell.equipment().model().nozzle.cone_half_angle_deg.to_radians(),
-        cone_height: nozzle.cone_height(),
-        block_radius: nozzle.block_radius(),
-        platform_radius: cell.equipment().plate_diameter_mm(plate_mm(mesh)) / 2.0,
-        layer: args.layer_height,
-        ..Head::default()
-    })
-}
-
-/// The workcell as its file has it.
-pub fn model(args: &Args) -> Result<WorkcellModel, Failure> {
-    let text = match &args.workcell {
-        Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
-        None => UR3_CELL.to_owned(),
-    };
-    Ok(WorkcellModel::from_json(text.as_bytes())?)
 }
 
 /// The workcell; its nozzle where the arm reaches most, if that was asked for (section 2.3.1 of the dissertation).

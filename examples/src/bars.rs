@@ -1,7 +1,7 @@
 //! Progress on stderr. On a terminal a bar a stage, with an estimate of what is left; elsewhere a line a stage with its time, so that a log
 //! of a long run is not empty.
 
-use crate::args::say;
+use crate::terminal::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
-/// Adds up the time of each stage. Can be told from several threads.
+/// Adds up the time of each stage. Threads may add at the same time.
 ///
 /// The time before a report belongs to the stage of the report, or to the stage before it if nothing is done yet: so a stage
 /// that reports its begin is timed exactly.

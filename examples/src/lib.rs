@@ -5,28 +5,27 @@
 pub mod args;
 pub mod bars;
 pub mod clock;
+pub mod finding;
 pub mod findings;
 mod html;
 pub mod input;
 pub mod mesh;
 pub mod motion;
 pub mod orienting;
+pub mod outcome;
 pub mod output;
 pub mod plot;
 pub mod render;
 pub mod report;
+pub mod run;
 pub mod settings;
 pub mod shapes;
 pub mod signals;
 pub mod spiral;
 pub mod summary;
 pub mod table;
+pub mod terminal;
 pub mod viewer;
 pub mod waypoints;
 
 pub use nalgebra;
-
-/// The snippet of the README, compiled and run with the other examples of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-pub struct Readme;

@@ -1,8 +1,9 @@
 //! How a part should lie: where `layers`, which judges poses, meets `voxel`, which makes cells of them.
 
-use crate::args::{Failure, from_zero};
+use crate::args::from_zero;
 use crate::bars::Bars;
 use crate::mesh::Mesh;
+use crate::outcome::Failure;
 use clap::Args;
 use curvlay_layers::curved::Rules;
 use curvlay_layers::curved::orient::{
@@ -16,19 +17,19 @@ use std::ops::ControlFlow;
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "How the part lies")]
 pub struct OrientArgs {
-    /// Directions that are tried, spread over the sphere; the part's flat resting faces are tried as well
+    /// Number of directions to try, spread over the sphere; the flat resting faces of the part are tried as well
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(0..=10_000), allow_negative_numbers = true)]
     pub orient_directions: u32,
-    /// Cells that a pose is tried with at first
+    /// Number of cells for the first trial of each pose
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000), allow_negative_numbers = true)]
     pub orient_voxels: u64,
-    /// How many of the best poses are tried again with five times as many cells
+    /// Number of best poses that are tried again with five times as many cells
     #[arg(long, value_name = "N", default_value_t = 20, allow_negative_numbers = true)]
     pub refine: usize,
-    /// Angle in degrees that a part which stands by itself can be tipped at least
-    #[arg(long, value_name = "DEGREES", default_value_t = 5.0, value_parser = tipping, allow_negative_numbers = true)]
-    pub least_tipping: f64,
-    /// Poses in which the part stands by itself come before all others
+    /// Minimum angle, in degrees, by which a free-standing part can be tipped before it falls
+    #[arg(long = "min-tipping", alias = "least-tipping", value_name = "DEGREES", default_value_t = 5.0, value_parser = tipping, allow_negative_numbers = true)]
+    pub min_tipping_deg: f64,
+    /// Prefers poses in which the part stands by itself
     #[arg(long)]
     pub standing_first: bool,
 }
@@ -48,7 +49,7 @@ impl OrientArgs {
     pub fn options(&self, rules: Rules, platform_diameter_mm: f64) -> OrientOptions {
         OrientOptions {
             directions: self.orient_directions,
-            min_tipping: self.least_tipping.to_radians(),
+            min_tipping: self.min_tipping_deg.to_radians(),
             platform_diameter_mm,
             rules,
             standing_first: self.standing_first,

@@ -1,6 +1,6 @@
 //! `report.html`: one file with its style and pictures inside, that opens from disk without a network.
 
-use crate::findings::{Finding, Severity};
+use crate::finding::{Finding, Severity};
 use crate::html::{base64, escaped};
 use crate::plot::Plot;
 use crate::table::Table;
@@ -49,8 +49,8 @@ impl Report {
     pub fn finding(&mut self, finding: &Finding) -> &mut Self {
         let (class, word) = match finding.severity {
             Severity::Failed => ("notice failed", "Check failed: "),
-            Severity::Told => ("notice", ""),
-            Severity::Noted => ("noted", "Note: "),
+            Severity::Warning => ("notice", ""),
+            Severity::Note => ("noted", "Note: "),
         };
         let mut html = format!("<div class=\"{class}\" role=\"note\"><p>{}</p>", escaped(&format!("{word}{finding}")));
         for (word, text) in finding.advice() {

@@ -54,7 +54,7 @@ pub fn handle() {
                 let _ = fs::remove_file(file);
             }
             let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
-            crate::args::say(&format!("stopped by {name}; files that were not finished are removed"));
+            crate::terminal::say(&format!("stopped by {name}; files that were not finished are removed"));
             process::exit(128 + signal);
         });
     });

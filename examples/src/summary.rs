@@ -1,6 +1,7 @@
 //! `summary.json`: flat keys in the order in which they were set.
 
 use crate::output::{OutputError, OutputFolder, SUMMARY};
+use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write;
 use std::time::Duration;
@@ -80,6 +81,29 @@ impl Summary {
                 Ok(self)
             }
         }
+    }
+
+    /// Appends the fields of a struct under their names.
+    ///
+    /// # Errors
+    /// As [`Summary::set`], and for what is no struct.
+    ///
+    /// # Example
+    /// ```
+    /// #[derive(serde::Serialize)]
+    /// struct Limits {
+    ///     allow_missed: f64,
+    /// }
+    /// let mut summary = curvlay_examples::summary::Summary::new();
+    /// summary.set_all(&Limits { allow_missed: 0.5 })?;
+    /// assert_eq!(summary.get("allow_missed"), Some(&0.5.into()));
+    /// # Ok::<(), curvlay_examples::summary::SummaryError>(())
+    /// ```
+    pub fn set_all(&mut self, values: &impl Serialize) -> Result<&mut Self, SummaryError> {
+        let Ok(Value::Object(fields)) = serde_json::to_value(values) else {
+            return Err(SummaryError::NotFlat { key: String::new() });
+        };
+        fields.into_iter().try_fold(self, |summary, (key, value)| summary.set(&key, value))
     }
 
     /// Appends a time in seconds, to a tenth of a millisecond. The key should end in `_s`.

@@ -1,7 +1,7 @@
 //! Waypoints from a file: six numbers a line, a place in millimetres and a direction.
 
-use crate::args::Failure;
 use crate::input;
+use crate::outcome::Failure;
 use std::fmt::Display;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;

@@ -26,19 +26,19 @@ use table::Printed;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "stewart_table")]
 pub struct Args {
-    /// Waypoints instead of the layer made in code: lines of `px py pz nx ny nz`, place in mm and direction of growth
+    /// Waypoints instead of the built-in layer: lines of `px py pz nx ny nz`, place in mm and direction of growth
     #[arg(value_name = "WAYPOINTS", conflicts_with = "waypoints")]
     file: Option<PathBuf>,
-    /// The same file by an option
+    /// Waypoints (same as the positional file)
     #[arg(long, value_name = "FILE")]
     waypoints: Option<PathBuf>,
     /// Radius of the dome in millimetres
     #[arg(long = "radius", value_name = "MM", default_value_t = 40.0, value_parser = millimetres, allow_negative_numbers = true)]
     radius_mm: f64,
-    /// How far the dome's middle rises over its rim in millimetres
+    /// Height of the middle of the dome over its rim, in millimetres
     #[arg(long = "rise", value_name = "MM", default_value_t = 10.0, value_parser = millimetres, allow_negative_numbers = true)]
     rise_mm: f64,
-    /// Distance of turns of the spiral, and of waypoints along it, in millimetres
+    /// Distance between turns of the spiral, and between waypoints along it, in millimetres
     #[arg(long = "spacing", value_name = "MM", default_value_t = 1.0, value_parser = spacing, allow_negative_numbers = true)]
     spacing_mm: f64,
     /// Height of the nozzle over the base in millimetres

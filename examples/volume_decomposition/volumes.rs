@@ -129,7 +129,7 @@ impl Divided {
             let is_stuck = result.stuck.iter().any(|stuck| stuck.part == part);
             if found.unsupported_mm2 > 0.0 && !is_stuck {
                 let amount = format!("{:.1} mm2", found.unsupported_mm2);
-                findings.add(Severity::Failed, "layers lie on nothing", amount, number(part));
+                findings.add(Severity::Failed, "layers are unsupported", amount, number(part));
             }
             let differ = (found.left_out_mm3 + found.added_mm3) / found.sections_mm3.max(f64::MIN_POSITIVE);
             if args.feature_mm <= 0.0 && differ > AuditOptions::default().allowed_section_share {
@@ -151,13 +151,18 @@ impl Divided {
         if thin > THIN * self.solid.volume() {
             let amount = format!("{thin:.1} mm3, {} of the part", percent(thin / self.solid.volume()));
             findings
-                .explain(Severity::Told, "places are thinner than a layer, and no layer has them", amount, &self.name)
+                .explain(
+                    Severity::Warning,
+                    "places are thinner than a layer, and no layer has them",
+                    amount,
+                    &self.name,
+                )
                 .try_to("a smaller --layer or --least-layer");
         }
         if args.feature_mm > 0.0 && left_out + added > 0.0 {
             let amount = format!("{left_out:.1} mm3 left out, {added:.1} mm3 filled");
             let place = format!("{}, features.csv", self.name);
-            findings.add(Severity::Noted, "features are machined later", amount, place);
+            findings.add(Severity::Note, "features are machined later", amount, place);
         }
     }
 
@@ -177,7 +182,7 @@ impl Divided {
         let place = format!("{}, parts {worst}{more}; parts.csv", self.name);
         let severity = Severity::above(share, args.allow_blocked);
         findings
-            .explain(severity, "the torch would be in what is printed before, or in the plate", amount, place)
+            .explain(severity, "the torch would collide with printed material or the plate", amount, place)
             .try_to("a smaller --torch")
             .try_to("a larger --stand-off")
             .try_to(if args.base == Base::Best { "" } else { "--base best" })

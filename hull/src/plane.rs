@@ -1,6 +1,6 @@
 //! Half-spaces with integer normals, and how deep below their border a point lies.
 
-use crate::HullError;
+use crate::error::{HullError, MAX_DEPTH};
 
 /// How deep below the surface of a body a point must lie to count as *deep*, in steps of 1/512 of a lattice unit.
 ///
@@ -20,7 +20,7 @@ impl Depth {
     pub const STEPS: u32 = 512;
 
     /// Largest depth, in lattice units.
-    pub const MAX: f64 = 64.0;
+    pub const MAX: f64 = MAX_DEPTH;
 
     /// The depth `units`, to the nearest step: a point is deep at this depth and below it.
     ///

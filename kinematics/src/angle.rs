@@ -20,6 +20,11 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     near - beyond + short
 }
 
+/// The short way of a turn: the image within half a turn of zero. Half a turn exactly becomes its opposite.
+pub(crate) fn short_way(by: f64) -> f64 {
+    by - TAU * (by / TAU).round()
+}
+
 /// The image of any finite angle that is nearest to `reference`.
 pub(crate) fn nearest_image(angle: f64, reference: f64) -> f64 {
     let apart = reference - angle;

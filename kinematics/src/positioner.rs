@@ -5,7 +5,7 @@
 //! solutions in closed form.
 
 use crate::limits::{JointLimits, LimitError};
-use crate::pose::{InvalidPose, LARGEST, parts};
+use crate::pose::{InvalidPose, MAX_COORDINATE, parts};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// The numbers of a positioner, at its zero posture and in its own base frame, in millimetres.
@@ -45,7 +45,7 @@ pub enum PositionerError {
         /// Its coordinates.
         value: [f64; 3],
     },
-    /// The pose at which the positioner stands is none.
+    /// The pose of the positioner in the base is invalid.
     #[error("`base_positioner`: {0}")]
     Pose(#[source] InvalidPose),
     /// The limits are invalid.
@@ -66,8 +66,8 @@ pub struct Positioner {
 /// The sine of the angle between two axes below which they count as parallel.
 const PARALLEL: f64 = 1e-6;
 
-/// Rounding of sums of squares of cosines.
-const ROUNDING: f64 = 1e-14;
+/// More than sums of squares of cosines lose by rounding.
+const SQUARES_ROUNDING: f64 = 1e-14;
 
 /// A direction this near to an axis does not say how far to turn about it.
 const ON_AXIS: f64 = 1e-9;
@@ -87,7 +87,7 @@ impl Positioner {
             ("base_positioner", base_positioner.translation.vector.into()),
         ];
         for (what, value) in named {
-            if !value.iter().all(|x| x.abs() <= LARGEST) {
+            if !value.iter().all(|x| x.abs() <= MAX_COORDINATE) {
                 return Err(PositionerError::NotFinite { what, value });
             }
         }
@@ -167,7 +167,7 @@ impl Positioner {
         let (to_tilt, to_turn) = (tilt.dot(&to), turn.dot(&from));
         let (a, b) = ((to_tilt - cos * to_turn) / square, (to_turn - cos * to_tilt) / square);
         let rest = (1.0 - a * a - b * b - 2.0 * a * b * cos) / square;
-        if rest < -ROUNDING {
+        if rest < -SQUARES_ROUNDING {
             return [None; 2];
         }
         let joints = |sign: f64| {
@@ -181,7 +181,7 @@ impl Positioner {
         let far = |joints: &Option<[f64; 2]>| {
             joints.map_or(f64::INFINITY, |j| (j[0] - reference[0]).hypot(j[1] - reference[1]))
         };
-        let mut both = [joints(1.0), (rest > ROUNDING).then(|| joints(-1.0)).flatten()];
+        let mut both = [joints(1.0), (rest > SQUARES_ROUNDING).then(|| joints(-1.0)).flatten()];
         both.sort_by(|a, b| far(a).total_cmp(&far(b)));
         both
     }

@@ -1,5 +1,6 @@
 //! Joint limits.
 
+use crate::angle::nearest_image;
 use std::f64::consts::TAU;
 
 /// How far beyond its stop a joint may come out of the inverse and still be meant to stand on it, in radians: more
@@ -78,7 +79,7 @@ impl<const N: usize> Bounds<N> {
     /// The angle of a joint nearest to `near` that is within its stops and whole turns away from this one.
     pub(crate) fn image_near(&self, joint: usize, angle: f64, near: f64) -> Option<f64> {
         if self.is_endless(joint) {
-            return Some(angle + TAU * ((near - angle) / TAU).round());
+            return Some(nearest_image(angle, near));
         }
         let (lower, upper) = (self.lower[joint], self.upper[joint]);
         let (least, more) = images(lower, upper, angle)?;

@@ -2,16 +2,20 @@
 //!
 //! The path is that of the machine file, and [`check_written`] knows nothing of the planner.
 
-use super::Print;
+use super::checked::Checked;
+use super::planned::{Motion, of_run};
+use super::print::Print;
+use super::trajectory::read_csv;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::waypoints;
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_toolpath::gouging::GougingOptions;
-use curvlay_trajectory::check::{CheckOptions, WrittenMotion, WrittenReport, check_written};
+use curvlay_trajectory::check::{CheckOptions, WrittenMotion, check_written};
 use curvlay_trajectory::print::PrintLimits;
 use nalgebra::Isometry3;
-use std::time::{Duration, Instant};
+use std::io::BufRead;
+use std::time::Instant;
 
 /// Share by which a rate may pass its limit: what rounding of the written joints, 13 digits, makes of the jerk.
 const SLACK: f64 = 1e-4;
@@ -20,17 +24,21 @@ const SLACK: f64 = 1e-4;
 /// spline follows from the knots beside it, and is met to about 1e-6.
 const MAX_GAP: f64 = 1e-5;
 
-/// What came of the check.
-pub struct Checked<const N: usize> {
-    pub report: WrittenReport<N>,
-    /// Length of all paths, with what was left out of them, and of what no motion goes along.
-    pub path_mm: f64,
-    pub unprinted_mm: f64,
-    pub took: Duration,
+impl Motion {
+    /// Checks the motions that were written to `trajectory.csv`. Returns whether some are unsafe and were taken out: then the file is
+    /// to be written and checked again.
+    pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<bool, Failure> {
+        of_run!(self, run => {
+            let cell = (&run.cell, &run.frame_part);
+            let checked = check(print, cell, &run.limits, &read_csv(file)?, bars)?;
+            run.take_in(checked);
+            print.withhold(run, bars)
+        })
+    }
 }
 
 /// Checks the motions that were written, with the part as it is built by then.
-pub fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
+fn check<const N: usize, const F: usize, W: Workcell<N, F>>(
     print: &Print,
     (cell, frame_part): (&W, &Isometry3<f64>),
     limits: &PrintLimits<N>,

@@ -1,7 +1,8 @@
 //! The files of the programs, read again.
 
-use super::{MotionRun, ProgramFormat};
-use crate::failure;
+use super::args::ProgramFormat;
+use super::planned::MotionRun;
+use crate::args::failure;
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::programs::pieces;
 use curvlay_examples::motion::read_back::ReadBack;

@@ -1,10 +1,10 @@
 //! The build as the viewer of the report takes it: part, layers, what the nozzle does, findings with their places, the robot.
 
 use crate::field::FieldRun;
+use crate::job::{Job, Results};
 use crate::machine::MachineRun;
 use crate::motion::{MotionRun, of_run};
 use crate::surfaces::SurfacesRun;
-use crate::{Job, Results};
 use curvlay_examples::motion::shown;
 use curvlay_examples::viewer::{Mark, Marks, Mesh, Model};
 use curvlay_kinematics::workcell::Workcell;

@@ -1,11 +1,11 @@
 //! Of the field: `field.csv`, figures, pictures of the cells, and the paper's figures to compare with.
 
 use super::pictures::PLAIN;
-use super::seconds;
+use super::shown::seconds;
+use crate::args::{Args, Extra, failure};
 use crate::complete::LayersBy;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Extra, failure};
 use curvlay_examples::args::{Failure, Part, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
@@ -132,7 +132,7 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("nz", nz)?
         .set("cells", grid.count())?
         .set("coherent", args.coherent)?
-        .set("eps_cells", args.grow.eps)?
+        .set("eps_cells", args.grow.eps_cells)?
         .set("beyond_eps", args.grow.beyond_eps)?
         .set("layers_by", typed_name(args.layers_by()))?
         .set("nozzle_growth", nozzle_growth)?
@@ -160,14 +160,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("layers_by_used", run.layers_by.map_or("saved".to_owned(), |by| typed_name(LayersBy::from(by))))?
         .set("prevention", typed_name(args.grow.prevention))?
         .set("threads", args.common.threads)?
-        .set("max_memory_gb", args.max_memory)?
-        .set("allow_missed", args.allow.allow_missed)?
-        .set("allow_volume", args.allow.allow_volume)?
-        .set("allow_gouging", args.allow.allow_gouging)?
-        .set("allow_left_out", args.allow.allow_left_out)?
-        .set("allow_unprinted", args.allow.allow_unprinted)?
-        .set("allow_unsupported", args.allow.allow_unsupported)?
-        .set("allow_unsupported_beads", args.allow.allow_unsupported_beads)?
+        .set("max_memory_gb", args.max_memory_gb)?
+        .set_all(&args.allow)?
         .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?
         .set("workcell", args.motion.workcell.as_ref().map_or("none".into(), |path| path.display().to_string()))?;
     // Those with values of the run come with their stage.
@@ -242,7 +236,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
         .row(["cells".to_owned(), format!("{} of {:.4} mm, grid {nx} x {ny} x {nz}", grid.count(), grid.cell_mm())])
         .row(["strategy".to_owned(), format!("{}: {}", typed_name(args.grow.strategy), run.strategy)])
         .row(["platform".to_owned(), platform_row(run)])
-        .row(["eps".to_owned(), format!("{}, in cells", args.grow.eps)])
+        .row(["eps".to_owned(), format!("{}, in cells", args.grow.eps_cells)])
         .row(["cell layers".to_owned(), growth.order.len().to_string()])
         .row([
             "missed cells".to_owned(),
@@ -296,7 +290,7 @@ fn reach(args: &Args, run: &FieldRun) -> String {
     let by_hull = format!(
         "the centre lies outside the convex hull of the platform and the centres of all earlier cells, or {depth} {} of a cell deep in it: a \
          nozzle of any size reaches it if it may go as deep into earlier cells",
-        args.grow.eps
+        args.grow.eps_cells
     );
     let by_shape = "the nozzle of this run, in the direction that was found for it, meets neither the plate nor an earlier cell, taken as a \
                     ball; a larger nozzle may not reach it";

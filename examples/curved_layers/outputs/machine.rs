@@ -1,11 +1,13 @@
 //! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
 
-use super::{borrowed, pictures, seconds};
+use super::pictures;
+use super::shown::{borrowed, seconds};
+use crate::args::{Args, Extra, failure};
 use crate::field::FieldRun;
+use crate::job::Job;
 use crate::machine::{MachineRun, to_lay_mm3};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Extra, Job, failure};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
@@ -119,7 +121,7 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     folder
         .write_with(name, |out| {
             written = write_gcode(run.moves(), options, out);
-            // What is wrong is told below, in words.
+            // The findings below say what is wrong.
             written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
         })
         .or_else(|error| if written.is_ok() { Err(error) } else { Ok(()) })?;
@@ -199,7 +201,7 @@ pub fn summary(
         .set("max_lift_mm", run.travels.max_lift)?
         .set_seconds("travels_s", times.travels)?
         .set("retractions", deposition.retractions)?
-        .set("support_distance", job.args.support_distance)?
+        .set("support_distance", job.args.support_distance_heights)?
         .set("unsupported_mm", run.support.unsupported_mm())?
         .set("unsupported_share", run.support.unsupported_share())?
         .set("unsupported_pieces", run.support.unsupported.len())?

@@ -1,8 +1,8 @@
-//! Of the motion: `trajectory.csv`, `layers.csv`, figures, and the robot at eight moments.
+//! Of the motion: `layers.csv`, figures, and the robot at eight moments.
 
-use super::{Picture, borrowed, pictures, seconds};
-use crate::motion::MotionRun;
-use crate::motion::check::Checked;
+use super::pictures;
+use super::shown::{Picture, borrowed, seconds};
+use crate::motion::{Checked, MotionRun};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
@@ -14,11 +14,11 @@ use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_kinematics::scene::{Body, Mount, Shape};
 use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
-use curvlay_trajectory::check::{FindingClass, FindingPlace, JointPeaks, PrintPeak, WrittenMotion};
-use curvlay_trajectory::print::{FaultKind, LayerPlan, LegKind, PlanTimes, PrintPlan, Run};
+use curvlay_trajectory::check::{FindingClass, FindingPlace, JointPeaks, PrintPeak};
+use curvlay_trajectory::print::{FaultKind, LayerPlan, PlanTimes, PrintPlan, Run};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde_json::Value;
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 use std::time::Duration;
 
 /// Pictures of the robot.
@@ -64,59 +64,6 @@ pub fn products<const N: usize, const F: usize, W>(
         })
     })?;
     Ok(())
-}
-
-/// A line a knot. Times go on from motion to motion; enough digits for jerks.
-pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, out: &mut dyn Write) -> io::Result<()> {
-    let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}")).collect();
-    writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
-    let (mut start, mut laid) = (0.0, 0.0);
-    let plan = &run.plan;
-    for (number, leg) in plan.legs(0..plan.runs.len()).enumerate() {
-        let (kind, layer, path) = (leg.kind.name(), leg.run.layer + 1, leg.run.path);
-        let passes = if leg.kind == LegKind::Print { &leg.run.passes[..] } else { &[] };
-        let mut passes = passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
-        for (knot, (time, joints)) in leg.knots().iter().enumerate() {
-            write!(out, "{number},{}", start + time)?;
-            joints.iter().try_for_each(|joint| write!(out, ",{joint:.13}"))?;
-            write!(out, ",{kind},{layer},{path},")?;
-            if let Some((_, waypoint)) = passes.next_if(|(passed, _)| *passed == knot) {
-                write!(out, "{waypoint}")?;
-            }
-            writeln!(out, ",{:.6}", laid + leg.filament_mm(*time))?;
-        }
-        start += leg.duration();
-        laid += leg.filament_mm(leg.duration());
-    }
-    Ok(())
-}
-
-/// Reads the motions of a `trajectory.csv`.
-pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<WrittenMotion<N>>> {
-    let mut motions: Vec<WrittenMotion<N>> = Vec::new();
-    let mut last = None;
-    for (number, line) in file.lines().enumerate().skip(1) {
-        let line = line?;
-        let bad = || io::Error::other(format!("trajectory.csv, line {}: cannot be read again", number + 1));
-        let cells: Vec<&str> = line.split(',').collect();
-        let [motion, time, joints @ .., kind, layer, path, waypoint, _] = &cells[..] else { return Err(bad()) };
-        if last.as_deref() != Some(*motion) {
-            last = Some((*motion).to_owned());
-            let kind = LegKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
-            let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
-            let path = path.parse().map_err(|_| bad())?;
-            let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());
-            motions.push(WrittenMotion { kind, layer, path, times, joints, waypoints });
-        }
-        let motion = motions.last_mut().ok_or_else(bad)?;
-        let joints: Option<Vec<f64>> = joints.iter().map(|joint| joint.parse().ok()).collect();
-        motion.times.push(time.parse().map_err(|_| bad())?);
-        motion.joints.push(joints.and_then(|joints| joints.try_into().ok()).ok_or_else(bad)?);
-        if !waypoint.is_empty() {
-            motion.waypoints.push((waypoint.parse().map_err(|_| bad())?, motion.times[motion.times.len() - 1]));
-        }
-    }
-    Ok(motions)
 }
 
 /// Planning time by robot time; 0 where the robot does not move.
@@ -189,7 +136,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("slow_motions", run.slow_runs)?
         .set("waypoint_error_mm", run.max_missed_mm)?
         .set("path_error_mm", run.max_deviation_mm)?
-        .set("astray", run.count(FaultKind::Astray))?
+        .set("astray", run.count(FaultKind::PathDeviation))?
         .set("transfers", run.travels.len())?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
     found.iter().try_for_each(|found| checked(found, summary))
@@ -272,7 +219,7 @@ fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut 
         .row(["paths break off".to_owned(), format!("{} times", count(FaultKind::Break))])
         .row([
             "off the path".to_owned(),
-            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::Astray)),
+            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::PathDeviation)),
         ])
         .row(["transfers".to_owned(), format!("{}, {} not found", run.travels.len(), count(FaultKind::NoTransfer))]);
 }
@@ -308,7 +255,7 @@ fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     motion: &Run<N, F>,
 ) -> Option<Picture> {
     let joints = motion.trajectory.joints();
-    let stance = run.cell.stance(&joints[joints.len() / 2])?;
+    let stance = run.cell.frames(&joints[joints.len() / 2])?;
     let base_part = stance.part * run.frame_part;
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));
     for ends in stance.arm.windows(2) {

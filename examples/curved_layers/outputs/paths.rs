@@ -1,9 +1,10 @@
 //! Of the paths: their lines as OBJ, figures and pictures.
 
-use super::{Picture, borrowed, pictures, seconds};
+use super::pictures;
+use super::shown::{Picture, borrowed, seconds};
+use crate::args::{Args, Extra};
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Extra};
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -41,10 +42,10 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
     summary
         .set("bead_mm", run.bead_mm)?
         .set("pattern", typed_name(args.pattern))?
-        .set("least_gap", args.least_gap)?
-        .set("join_distance_beads", args.join_distance)?
-        .set("least_length_beads", args.least_length)?
-        .set("least_width_beads", args.least_width)?
+        .set("least_gap", args.min_gap_squares)?
+        .set("join_distance_beads", args.join_distance_beads)?
+        .set("least_length_beads", args.min_length_beads)?
+        .set("least_width_beads", args.min_width_beads)?
         .set_seconds("geodesic_s", times.geodesic)?
         .set_seconds("paths_s", times.paths)?
         .set_seconds("statistics_s", times.statistics)?

@@ -1,11 +1,12 @@
 //! Summary for the operator: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
+use crate::args::Stage;
 use crate::choice::Choice;
 use crate::findings::counted;
 use crate::guide::Guide;
+use crate::job::{Job, Results};
 use crate::motion::of_run;
-use crate::{Job, Results, Stage};
 use curvlay_examples::findings::{Severity, percent};
 use curvlay_examples::table::Table;
 
@@ -85,16 +86,16 @@ fn checks(results: &Results) -> String {
     .into_iter()
     .filter_map(|(what, is_checked)| is_checked.then_some(what))
     .collect();
-    let (failed, told) = (findings.of(Severity::Failed).count(), findings.of(Severity::Told).count());
+    let (failed, warnings) = (findings.of(Severity::Failed).count(), findings.of(Severity::Warning).count());
     let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
     let failed = if failed == 0 { "none failed".to_owned() } else { format!("{} failed", plural(failed, "check")) };
     let mut text = format!("{failed} ({})", checked.join("; "));
-    if told > 0 {
-        text += &format!(", {}, see above", plural(told, "warning"));
+    if warnings > 0 {
+        text += &format!(", {}, see above", plural(warnings, "warning"));
     }
     let on_nothing = machine.as_ref().map_or(0.0, |run| run.support.unsupported_share());
     if on_nothing > 0.0 {
-        text += &format!("; {} of the beads' length lies on nothing", percent(on_nothing));
+        text += &format!("; {} of the bead length is unsupported", percent(on_nothing));
     }
     text
 }

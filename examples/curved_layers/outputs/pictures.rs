@@ -1,6 +1,6 @@
 //! Pictures: the part while it is built, single surfaces, how far apart they lie; paths and the distance they follow.
 
-use super::Picture;
+use super::shown::Picture;
 use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::paths::{PathsRun, curves};
@@ -111,7 +111,7 @@ pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Pictur
     Some((caption, scene.draw(width, height).to_png()))
 }
 
-/// The beads of the layer on which the most of them lie on nothing, these in red; none where all lie on something.
+/// The beads of the layer with the most unsupported ones, these in red; none where all are supported.
 pub fn unsupported(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun) -> Option<Picture> {
     let mut lengths = vec![0.0; surfaces.sheets.len()];
     for piece in &run.support.unsupported {

@@ -6,9 +6,10 @@
 //!
 //! All files appear when the last of them is written, or none.
 
-use crate::failure;
+use crate::args::failure;
+use crate::motion::MotionRun;
+use crate::motion::args::ProgramFormat;
 use crate::motion::read_back::read_back;
-use crate::motion::{MotionRun, ProgramFormat};
 use curvlay_examples::args::Failure;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;
@@ -17,8 +18,9 @@ use curvlay_examples::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBa
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
+use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    ProgramLimits, RapidOptions, Step, StreamOptions, WriteError, write_csv, write_rapid, write_urscript,
+    ProgramLimits, RapidOptions, Step, WriteError, write_csv, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::PrintPlan;
@@ -114,7 +116,7 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
         write_urscript(steps, &options, out).map(|_| ())
     };
     let steps = |piece: Range<usize>| {
-        plan.legs(piece).map(|leg| leg.duration()).sum::<f64>()
+        plan.segments(piece).map(|leg| leg.duration()).sum::<f64>()
             / StreamOptions::of_workcell(cell.equipment()).rate.seconds()
     };
     of_pieces(plan, steps, ending, folder, write)

@@ -1,9 +1,10 @@
 //! Of the surfaces: the files that other programs take (OBJ, VTK, the field to go on from), figures and pictures.
 
-use super::{borrowed, pictures, seconds};
+use super::pictures;
+use super::shown::{borrowed, seconds};
+use crate::args::{Args, Extra};
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
-use crate::{Args, Extra};
 use curvlay_examples::args::Failure;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;

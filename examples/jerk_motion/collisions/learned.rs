@@ -1,6 +1,6 @@
 //! Table 4.1: indicators that are learned, and the geometric one, against the exact scene.
 
-use super::Amount;
+use super::amount::Amount;
 use super::surface::Surface;
 use curvlay_examples::args::Failure;
 use curvlay_trajectory::indicator::svm::{Svm, SvmOptions};

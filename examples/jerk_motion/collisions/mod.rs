@@ -6,15 +6,20 @@
 //! and the global filter keep clear of what an indicator predicts, geometric or learned, and each step of the result is
 //! swept by the exact scene.
 
+mod amount;
+mod audited;
 mod learned;
 mod repairing;
 mod scene;
 mod steering;
 mod surface;
 
+pub use amount::Amount;
+pub use audited::Audit;
 pub use learned::{PAPER_SHIFT, Row};
-pub use steering::{Audit, Steered};
+pub use steering::Steered;
 
+use audited::{Start, unproven};
 use curvlay_examples::args::Failure;
 use curvlay_examples::mesh::Up;
 use curvlay_examples::motion::PartInHand;
@@ -25,7 +30,7 @@ use learned::{Known, Machines, learn};
 use nalgebra::Vector3;
 use scene::{Obstacle, Post};
 use std::path::Path;
-use steering::{Filter, Start, Steering, starts, steer, unproven};
+use steering::{Filter, Steering, starts, steer};
 use surface::Surface;
 
 /// How far filters stay away from what the geometric indicator predicts, and the price of coming nearer by a millimetre.
@@ -60,15 +65,6 @@ pub struct Study {
     pub steered: Vec<Steered>,
     /// What could not be done.
     pub notes: Vec<String>,
-}
-
-/// How much to do.
-#[derive(Clone, Copy, Debug)]
-pub struct Amount {
-    pub training: usize,
-    pub verification: usize,
-    /// Diameter of the head of a post in the way.
-    pub post_mm: Option<f64>,
 }
 
 /// Plans around what is in the way, learns the indicators, measures them, and lets them steer.

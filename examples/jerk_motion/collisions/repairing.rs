@@ -1,6 +1,6 @@
 //! Repair of motions that collide: the tool turned at waypoints, in steps of `pi / 500` (Eq. 4.13).
 
-use super::steering::{Audit, Start, audited, go_on, is_free, is_swept_free, through};
+use super::audited::{Audit, Start, audited, go_on, is_free, is_swept_free, through};
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::Studied;
 use curvlay_kinematics::scene::Scene;

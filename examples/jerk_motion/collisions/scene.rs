@@ -50,7 +50,7 @@ impl Post {
     /// A ball of this radius that reaches [`POST_DEPTH_MM`] into wrist 2 at a posture, on the side to which the arm moves it
     /// with these rates of the joints.
     pub fn beside_wrist(robot: &PartInHand, joints: &[f64; 6], rates: &[f64; 6], radius: f64) -> Option<Self> {
-        let arm = *robot.workcell().cell().arm();
+        let arm = *robot.workcell().setup().arm();
         let wrist = |step: f64| -> Point3<f64> {
             let moved = std::array::from_fn(|j| joints[j] + step * rates[j]);
             arm.frames(&moved)[WRIST].translation.vector.into()
@@ -109,7 +109,7 @@ pub fn from_file(file: &Path, up: Up, origin: &Vector3<f64>) -> Result<Obstacle,
 }
 
 pub fn scene(robot: &PartInHand, obstacle: &Obstacle, post: Option<&Post>) -> Result<Scene, Failure> {
-    let cell = robot.workcell().cell();
+    let cell = robot.workcell().setup();
     let z = |z: f64| Point3::new(0.0, 0.0, z);
     let head = HEAD.map(|(name, from, to, radius)| Body {
         name: name.into(),
@@ -140,7 +140,7 @@ pub fn geometric(
     obstacle: &Obstacle,
     post: Option<&Post>,
 ) -> Result<impl CollisionIndicator<6> + use<>, Failure> {
-    let cell = *robot.workcell().cell();
+    let cell = *robot.workcell().setup();
     let held = nalgebra::convert::<_, IsometryMatrix3<f64>>(cell.part_frame().1);
     // Bodies 0 to 6 are the frames of the arm, body 7 is the part.
     let bodies = BodiesFn {

@@ -36,7 +36,7 @@ impl<'a> Surface<'a> {
 
     /// The tip in the frame of the part.
     fn tip(&self, joints: &[f64; 6]) -> Point3<f64> {
-        self.robot.workcell().cell().nozzle_on_part(joints).translation.vector.into()
+        self.robot.workcell().setup().nozzle_on_part(joints).translation.vector.into()
     }
 
     /// The mean height over the planes, weighed by how near their waypoints are, and its derivative by the place.

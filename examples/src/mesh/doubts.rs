@@ -1,6 +1,6 @@
 //! What the orientation of a mesh leaves to say: one policy for all examples.
 
-use crate::findings::{Finding, Severity};
+use crate::finding::{Finding, Severity};
 use curvlay_voxel::OrientReport;
 
 /// Share of the volume from which on a reading of the mesh that differs is a doubt.
@@ -24,10 +24,10 @@ pub const UNCERTAIN_SHARE: f64 = 1e-3;
 pub fn mesh_findings(report: &OrientReport, allow_guesses: bool) -> Vec<Finding> {
     let mut findings = Vec::new();
     if report.turned_triangles > 0 {
-        findings.push(Finding::new(Severity::Noted, report.to_string(), "", ""));
+        findings.push(Finding::new(Severity::Note, report.to_string(), "", ""));
     }
     let doubts = report.doubts(UNCERTAIN_SHARE);
-    let severity = if allow_guesses { Severity::Told } else { Severity::Failed };
+    let severity = if allow_guesses { Severity::Warning } else { Severity::Failed };
     for doubt in &doubts {
         let mut finding = Finding::new(severity, doubt.to_string(), "", "");
         finding.try_to("mend the mesh in the program that made it").allow("--allow-guesses");
@@ -38,7 +38,7 @@ pub fn mesh_findings(report: &OrientReport, allow_guesses: bool) -> Vec<Finding>
             "{} holes were closed: at most {:.2} of {:.1} mm3 depends on how",
             report.holes, report.holes_mm3, report.volume_mm3
         );
-        findings.push(Finding::new(Severity::Noted, what, "", ""));
+        findings.push(Finding::new(Severity::Note, what, "", ""));
     }
     findings
 }

@@ -1,6 +1,6 @@
 //! What a file is, by its first bytes and whatever its name: formats that are read, and formats that can only be named.
 
-use super::MeshFault;
+use super::fault::MeshFault;
 
 /// A format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: its vertices and faces. Everything else in it (normals, textures, groups, lines) is passed over.
 
+use super::fault::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 use super::weld::Welder;
-use super::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
     let text = String::from_utf8_lossy(unmarked(bytes)?);

@@ -1,6 +1,7 @@
 //! From the units and axes of a file to millimetres with z up.
 
-use super::{Mesh, MeshFault};
+use super::fault::{LARGE_MM, MeshFault, significant};
+use super::triangles::Mesh;
 use clap::ValueEnum;
 use nalgebra::{Point3, Vector3};
 
@@ -104,9 +105,6 @@ const SMALL_MM: f64 = 12.0;
 const SMALL_WITH_UNIT_MM: f64 = 2.0;
 /// Longest side above which a unit that was named is doubted, in mm: a part of 80 mm read in inches, of 2 mm in metres.
 const DOUBTED_MM: f64 = 2_000.0;
-/// Longest side, and farthest place, that are taken without being allowed, in mm: ten metres are beyond any robot of
-/// ours, and a part of a few millimetres in metres by mistake.
-pub const LARGE_MM: f64 = 10_000.0;
 
 impl Placement {
     /// A place of the file, turned and scaled, in millimetres.
@@ -192,16 +190,5 @@ impl Placement {
             }
             _ => None,
         }
-    }
-}
-
-/// A length with four figures.
-pub(super) fn significant(value: f64) -> String {
-    if value <= 0.0 || (1e-3..1e6).contains(&value) {
-        let digits = if value <= 0.0 { 0 } else { (3 - value.log10().floor() as i32).max(0) as usize };
-        let text = format!("{value:.digits$}");
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-    } else {
-        format!("{value:.3e}")
     }
 }

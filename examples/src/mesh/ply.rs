@@ -1,8 +1,8 @@
 //! PLY, ASCII or binary, through `ply-rs-bw`; its header counts are held against the size of the file. Faces and strips of
 //! triangles are read.
 
+use super::fault::{MeshFault, Place, finite, printable, quoted, syntax, unmarked};
 use super::weld::Welder;
-use super::{MeshFault, Place, finite, printable, quoted, syntax, unmarked};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 use std::io::Cursor;

@@ -1,7 +1,7 @@
 //! STL, binary or ASCII, whatever the header says. The length of a binary file decides how many triangles it has.
 
+use super::fault::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 use super::weld::Welder;
-use super::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 
 /// Header and count.
 const HEAD: usize = 84;

@@ -4,8 +4,8 @@
 mod model;
 mod package;
 
+use super::fault::{MeshFault, Place, finite, package_fault};
 use super::weld::Welder;
-use super::{MeshFault, Place};
 use model::{Kind, Model, Object, Transform};
 use package::Package;
 use std::collections::BTreeMap;
@@ -69,10 +69,6 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
         welder.warn(what, "", "export the part alone");
     }
     Ok(welder)
-}
-
-fn package_fault(what: impl Into<String>) -> MeshFault {
-    MeshFault::Package(what.into())
 }
 
 /// All model files that the build needs, by their paths.
@@ -145,7 +141,7 @@ impl Scene {
         let mut corners = Vec::with_capacity(object.vertices.len());
         for (number, vertex) in object.vertices.iter().enumerate() {
             let at = transform.apply(*vertex).map(|c| c * scale);
-            corners.push(welder.vertex(super::finite(at, Place::Vertex(number + 1), number + 1)?)?);
+            corners.push(welder.vertex(finite(at, Place::Vertex(number + 1), number + 1)?)?);
         }
         let mirrors = transform.mirrors();
         for (number, &[a, b, c]) in object.triangles.iter().enumerate() {

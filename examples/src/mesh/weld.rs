@@ -1,7 +1,8 @@
 //! What all readers fill: a mesh whose corners at one place are one, and what they had to decide.
 
-use super::{Mesh, MeshFault, Place, syntax};
-use crate::findings::{Finding, Severity};
+use super::fault::{MeshFault, Place, syntax};
+use super::triangles::Mesh;
+use crate::finding::{Finding, Severity};
 use curvlay_voxel::{PolygonError, triangulate_polygon};
 use nalgebra::Point3;
 use std::collections::HashMap;
@@ -83,22 +84,22 @@ impl Welder {
 
     /// Adds something that the reader decided.
     pub(super) fn note(&mut self, what: impl Into<String>, amount: impl Into<String>, place: impl Into<String>) {
-        self.findings.push(Finding::new(Severity::Noted, what, amount, place));
+        self.findings.push(Finding::new(Severity::Note, what, amount, place));
     }
 
     /// Adds something that the user should look at.
     pub(super) fn warn(&mut self, what: impl Into<String>, amount: impl Into<String>, place: impl Into<String>) {
-        self.findings.push(Finding::new(Severity::Told, what, amount, place));
+        self.findings.push(Finding::new(Severity::Warning, what, amount, place));
     }
 
     /// The mesh, and all that was decided.
     pub(super) fn finish(self) -> (Mesh, Vec<Finding>) {
         let mut findings = self.findings;
-        findings.extend(self.without_area.finding(Severity::Noted, "faces without area were left out"));
+        findings.extend(self.without_area.finding(Severity::Note, "faces without area were left out"));
         let repeats = "faces that name a corner twice in a row were read without the repeat";
-        findings.extend(self.repeated_corners.finding(Severity::Noted, repeats));
+        findings.extend(self.repeated_corners.finding(Severity::Note, repeats));
         let crossing = "faces cross themselves, and their inside was guessed: export the mesh as triangles";
-        findings.extend(self.crossing.finding(Severity::Told, crossing));
+        findings.extend(self.crossing.finding(Severity::Warning, crossing));
         (self.mesh, findings)
     }
 }

@@ -1,7 +1,7 @@
 //! Meshes written: OBJ with all digits, binary STL.
 
-use super::Mesh;
 use super::single::rounded;
+use super::triangles::Mesh;
 use nalgebra::Vector3;
 use std::io::{self, Write};
 

@@ -3,10 +3,10 @@
 use super::{
     OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
 };
-use crate::args::Failure;
 use crate::bars::Bars;
 use crate::findings::{Findings, Severity};
 use crate::mesh::Mesh;
+use crate::outcome::Failure;
 use crate::output::is_numbered;
 use crate::viewer::{self, Robot, Step};
 use curvlay_kinematics::program::{RapidOptions, write_urscript};
@@ -147,14 +147,14 @@ impl Printed {
         if !left_out.is_empty() {
             let mm = self.left_out_mm();
             let amount = format!("{} pieces, {mm:.1} mm of {:.0} mm", left_out.len(), self.path_mm() + mm);
-            findings.add(Severity::Told, "the nozzle would be in what is built; left out", amount, "");
+            findings.add(Severity::Warning, "left out: the nozzle would collide with printed material", amount, "");
         }
         let blocked = self.plan.travels.blocked.len();
         if blocked > 0 {
-            findings.add(Severity::Told, "travels are blocked", blocked.to_string(), "");
+            findings.add(Severity::Warning, "travels are blocked", blocked.to_string(), "");
         }
         let Some(moved) = &self.moved else { return };
-        let kinds = [FaultKind::Unreachable, FaultKind::Blocked, FaultKind::Break, FaultKind::Astray];
+        let kinds = [FaultKind::Unreachable, FaultKind::Blocked, FaultKind::Break, FaultKind::PathDeviation];
         for kind in kinds.into_iter().chain([FaultKind::NoTransfer]) {
             let count = moved.count(kind);
             if count > 0 {
@@ -164,7 +164,7 @@ impl Printed {
         }
     }
 
-    /// Length of what is left out, since the nozzle would be in what is built.
+    /// Length that is left out, since the nozzle would collide with printed material.
     pub fn left_out_mm(&self) -> f64 {
         self.plan.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).fold(0.0, |sum, mm| sum + mm)
     }

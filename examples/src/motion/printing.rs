@@ -9,7 +9,7 @@ use curvlay_toolpath::gouging::{self, ContactError, Contacts, Nozzle, NozzleErro
 use curvlay_toolpath::orientation::{Pose, ToolPath};
 use curvlay_trajectory::check::{Contact, GrowingPrintScene};
 use curvlay_trajectory::indicator::CollisionIndicator;
-use curvlay_trajectory::print::{Clearance, Moment, PrintCell, PrintOptions, PrintPath, Waypoint};
+use curvlay_trajectory::print::{Clearance, Moment, PrintOptions, PrintPath, PrintWorkcell, Waypoint};
 use curvlay_trajectory::transfer::FreeSpace;
 use nalgebra::Isometry3;
 
@@ -102,7 +102,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> PrintingCell<'a, N, 
     /// # Errors
     /// Why it cannot be added, in words.
     pub fn begin_and_build(&mut self, layer: u32) -> Result<(), String> {
-        PrintCell::begin(self, layer)?;
+        PrintWorkcell::begin(self, layer)?;
         self.build(layer)
     }
 
@@ -143,7 +143,7 @@ fn built(moment: Moment) -> gouging::Moment {
     }
 }
 
-impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for PrintingCell<'_, N, F, W> {
+impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintWorkcell<N> for PrintingCell<'_, N, F, W> {
     fn begin(&mut self, layer: u32) -> Result<(), String> {
         self.scene.begin(layer).map_err(|error| error.to_string())
     }
@@ -179,7 +179,7 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> PrintCell<N> for Printin
 
 impl<const N: usize, const F: usize, W: Workcell<N, F>> GrowingPrintScene<N> for PrintingCell<'_, N, F, W> {
     fn begin(&mut self, layer: u32) -> Result<(), String> {
-        PrintCell::begin(self, layer)?;
+        PrintWorkcell::begin(self, layer)?;
         self.build(layer)
     }
 

@@ -6,10 +6,12 @@
 
 mod columns;
 mod gltf;
+mod mesh;
 mod model;
 mod simplify;
 
-pub use model::{Mark, Marks, Mesh, Model, Nozzle, Robot, Stance, Step};
+pub use mesh::Mesh;
+pub use model::{Mark, Marks, Model, Nozzle, Robot, Stance, Step};
 
 use crate::html::{base64, escaped};
 use std::fmt::Write;

@@ -1,6 +1,7 @@
 //! What is shown, and how it is packed.
 
 use super::columns::Columns;
+use super::mesh::Mesh;
 use super::simplify::clustered;
 use crate::render::ramp;
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -52,15 +53,6 @@ pub struct Model {
     pub laid: Option<[f64; 2]>,
     /// Density of the material in grams per cubic centimetre, for masses.
     pub density_g_cm3: Option<f64>,
-}
-
-/// Triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
-    /// Corners.
-    pub vertices: Vec<Point3<f64>>,
-    /// Three corners each.
-    pub triangles: Vec<[u32; 3]>,
 }
 
 /// A straight step of the nozzle, from where the step before ended.

@@ -1,7 +1,7 @@
 //! Meshes with fewer triangles, to be looked at: corners that share a cube of a grid become one (vertex clustering, J. Rossignac and
 //! P. Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993).
 
-use super::Mesh;
+use super::mesh::Mesh;
 use nalgebra::Point3;
 use std::collections::{BTreeMap, BTreeSet};
 

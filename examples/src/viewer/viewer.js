@@ -494,15 +494,15 @@ function start(columns) {
 
   // ---- controls
   const [lowInput, highInput, nowInput] = ['low', 'high', 'now'].map(find), run = find('run');
-  const told = (input, text) => { input.parentNode.querySelector('output').textContent = text; };
+  const show = (input, text) => { input.parentNode.querySelector('output').textContent = text; };
   function showTime() {
     lowInput.value = state.low + 1;
     highInput.value = state.high + 1;
     const [from, to] = spanOf(state.high);
     nowInput.value = to > from ? Math.round(1000 * Math.min(Math.max((state.now - from) / (to - from), 0), 1)) : 1000;
-    told(lowInput, `${state.low + 1} of ${layers}`);
-    told(highInput, `${state.high + 1} of ${layers}`);
-    told(nowInput, clock(state.now));
+    show(lowInput, `${state.low + 1} of ${layers}`);
+    show(highInput, `${state.high + 1} of ${layers}`);
+    show(nowInput, clock(state.now));
     plotJoints();
     touch();
   }

@@ -1,9 +1,9 @@
 //! The command line: defaults, refusals, exit status.
 
-use clap::Parser;
-use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, Parser};
 use curvlay_examples::args::{
-    Common, Failure, GrowArgs, MeshArgs, Outcome, Prevention, Strategy, VoxelArgs, one_line, run, run_on, typed_name,
+    Common, Failure, GrowArgs, MeshArgs, Outcome, Prevention, Strategy, VoxelArgs, is_typed, one_line, run,
+    run_command, typed_name,
 };
 use curvlay_examples::mesh::{Unit, Up};
 use curvlay_examples::nalgebra::Point3;
@@ -31,12 +31,16 @@ fn parse(words: &str) -> Result<Args, clap::Error> {
     Args::try_parse_from(["name"].into_iter().chain(words.split_whitespace()))
 }
 
+fn run_on(words: &str, main: impl FnOnce(Args, &ArgMatches) -> Result<Outcome, Failure>) -> ExitCode {
+    run_command(Args::command(), words.split(' '), main)
+}
+
 #[test]
 fn everything_has_a_default() {
     let args = parse("").unwrap();
     assert_eq!((args.mesh.mesh, args.mesh.unit, args.mesh.scale, args.mesh.up), (None, Unit::Mm, 1.0, Up::Z));
     assert_eq!((args.voxels.voxels, args.voxels.cell), (None, None));
-    assert_eq!((args.grow.eps, args.settings), (1.0, Settings::default()));
+    assert_eq!((args.grow.eps_cells, args.settings), (1.0, Settings::default()));
     assert_eq!((args.grow.strategy, args.grow.prevention), (Strategy::Best, Prevention::Adaptive));
     assert!(args.common.threads >= 1 && !args.common.quiet && args.common.out.is_none());
 }
@@ -48,7 +52,7 @@ fn everything_can_be_set() {
     let args = parse(words).unwrap();
     assert_eq!((args.mesh.mesh, args.mesh.unit), (Some(PathBuf::from("a.stl")), Unit::In));
     assert_eq!((args.mesh.scale, args.mesh.up, args.voxels.voxels), (2.5, Up::Y, Some(100_000)));
-    assert_eq!((args.grow.eps, args.settings.platform_diameter_mm), (0.0, Some(90.0)));
+    assert_eq!((args.grow.eps_cells, args.settings.platform_diameter_mm), (0.0, 90.0));
     assert_eq!(
         (typed_name(args.grow.strategy), typed_name(args.grow.prevention)),
         ("greedy".into(), "incremental".into())
@@ -99,8 +103,7 @@ fn what_is_out_of_range_is_refused_in_one_line() {
     for (words, named) in refused {
         let line = one_line(&parse(words).unwrap_err());
         assert!(line.starts_with("error: ") && line.contains(named) && !line.contains('\n'), "{words}: {line}");
-        let status =
-            run_on::<Args>(["name"].into_iter().chain(words.split(' ')), |_| Ok(()), |_| panic!("{words} was taken"));
+        let status = run_on(&format!("name {words}"), |_, _| panic!("{words} was taken"));
         assert_eq!(status, ExitCode::from(2), "{words}");
     }
     let line = one_line(&parse("--eps 17").unwrap_err());
@@ -112,21 +115,22 @@ fn the_exit_status_says_how_it_ended() {
     assert_eq!(run(|| Ok(Outcome::Done)), ExitCode::from(0));
     assert_eq!(run(|| Err(Failure::new("no ink"))), ExitCode::from(1));
     assert_eq!(run(|| Ok(Outcome::ChecksFailed(vec!["ink".to_owned()]))), ExitCode::from(3));
-    assert_eq!(run_on::<Args>(["name", "--help"], |_| Ok(()), |_| panic!("help does no work")), ExitCode::from(0));
-    let of_args = |args: Args| Ok(Outcome::of(if args.common.quiet { vec![] } else { vec!["noise".to_owned()] }));
-    assert_eq!(run_on(["name"], |_| Ok(()), of_args), ExitCode::from(3));
-    assert_eq!(run_on(["name", "--quiet"], |_| Ok(()), of_args), ExitCode::from(0));
+    assert_eq!(run_on("name --help", |_, _| panic!("help does no work")), ExitCode::from(0));
+    let of_args =
+        |args: Args, _: &ArgMatches| Ok(Outcome::of(if args.common.quiet { vec![] } else { vec!["noise".to_owned()] }));
+    assert_eq!(run_on("name", of_args), ExitCode::from(3));
+    assert_eq!(run_on("name --quiet", of_args), ExitCode::from(0));
 }
 
 #[test]
 fn arguments_that_do_not_go_together_exit_with_2() {
     assert_eq!(run(|| Err(Failure::of_arguments("not both"))), ExitCode::from(2));
-    let check = |matches: &clap::ArgMatches| match matches.value_source("eps") {
-        Some(ValueSource::CommandLine) => Err("--eps does nothing here".to_owned()),
-        _ => Ok(()),
+    let checked = |_: Args, matches: &ArgMatches| match is_typed(matches, "eps_cells") {
+        true => Err(Failure::of_arguments("--eps does nothing here")),
+        false => Ok(Outcome::Done),
     };
-    assert_eq!(run_on::<Args>(["name", "--eps", "1"], check, |_| panic!("was taken")), ExitCode::from(2));
-    assert_eq!(run_on::<Args>(["name"], check, |_| Ok(Outcome::Done)), ExitCode::from(0));
+    assert_eq!(run_on("name --eps 1", checked), ExitCode::from(2));
+    assert_eq!(run_on("name", checked), ExitCode::from(0));
     // What has been told already is not told again.
     assert_eq!(run(|| Ok(Outcome::ChecksFailed(Vec::new()))), ExitCode::from(3));
 }

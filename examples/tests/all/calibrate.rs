@@ -112,11 +112,10 @@ fn lengths_keep_the_closed_form_and_fit_less() {
 #[test]
 fn the_keys_are_described() {
     let (path, _) = run("keys", &[]).unwrap();
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let section = page.split("## `calibrate`").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = common::format_section("calibration.md", "calibrate");
     for key in summary(&path).keys() {
         let of_parameter = ["offset_of_", "length_", "axis_"].iter().any(|start| key.starts_with(start));
-        assert!(of_parameter || section.contains(&format!("`{key}`")), "{key} is not in formats.md");
+        assert!(of_parameter || section.contains(&format!("`{key}`")), "{key} is not in docs/formats/calibration.md");
     }
 }
 

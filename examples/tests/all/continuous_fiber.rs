@@ -59,12 +59,14 @@ fn the_specimens_have_their_tapes() {
     let (path, outcome) = run("specimens", &[]).unwrap();
     assert_eq!(outcome, Outcome::Done);
     let summary = summary(&path);
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let section = page.split("## `continuous_fiber`").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = common::format_section("studies.md", "continuous_fiber");
     for key in summary.keys() {
         let bare = ["dumbbell", "bar", "arc", "layer"].iter().find_map(|name| key.strip_prefix(name));
         let is_there = |key: &str| section.contains(&format!("`{key}`"));
-        assert!(is_there(key) || bare.is_some_and(|rest| is_there(&format!("*{rest}"))), "{key} is not in formats.md");
+        assert!(
+            is_there(key) || bare.is_some_and(|rest| is_there(&format!("*{rest}"))),
+            "{key} is not in docs/formats/studies.md"
+        );
     }
     let figure = |key: &str| summary[key].as_f64().unwrap();
     // Sections 5.4.1 and 5.4.2 of the dissertation: tapes by number and length.
@@ -143,12 +145,11 @@ fn the_specimens_have_their_tapes() {
     assert!(report.contains(" s, 0 faults."));
 }
 
-/// Every key of a summary is in the section of formats.md.
+/// Every key of a summary is in the section of docs/formats/studies.md.
 fn check_keys(path: &Path) {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let section = page.split("## `continuous_fiber`").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = common::format_section("studies.md", "continuous_fiber");
     for key in summary(path).keys() {
-        assert!(section.contains(&format!("`{key}`")), "{key} is not in formats.md");
+        assert!(section.contains(&format!("`{key}`")), "{key} is not in docs/formats/studies.md");
     }
 }
 

@@ -39,8 +39,7 @@ fn file(name: &str, text: &str) -> String {
 
 /// Whether the page on formats has every key of the summary and the columns of the strokes.
 fn assert_documented(path: &Path) {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let (_, page) = page.split_once("\n## `dome_drawing`\n").unwrap();
+    let page = common::format_section("studies.md", "dome_drawing");
     for key in summary(path).keys() {
         assert!(page.contains(&format!("`{key}`")), "{key}");
     }
@@ -555,8 +554,8 @@ fn the_rig_and_the_process_are_data() {
         assert!(fs::read(path.join(name)).unwrap() == fs::read(second.join(name)).unwrap(), "{name}");
     }
     // Each key is documented.
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let (_, page) = page.split_once("\n### Setups\n").unwrap();
+    let page = common::formats(Some("profiles.md"));
+    let (_, page) = page.split_once("\n## Setups\n").unwrap();
     let keys: serde_json::Map<String, serde_json::Value> =
         serde_json::from_slice(&fs::read(path.join("setup.json")).unwrap()).unwrap();
     assert!(keys.keys().all(|key| page.contains(&format!("`{key}`"))));

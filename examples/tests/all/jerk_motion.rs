@@ -41,7 +41,7 @@ fn the_spiral_is_planned_on_both_robots() {
     assert_eq!((&summary["waypoints"], &summary["splits"]), (&60.into(), &0.into()));
     // Nothing but what learned indicators, from few samples here, let through.
     let findings = summary["findings"].as_str().unwrap();
-    assert!(findings.lines().all(|line| line.starts_with("told: steered_svm_")), "{findings}");
+    assert!(findings.lines().all(|line| line.starts_with("warning: steered_svm_")), "{findings}");
     assert_documented(&path);
     let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key}"));
     for robot in ["ur3", "cell8"] {
@@ -248,7 +248,7 @@ fn a_filter_that_passes_its_bounds_is_compared_with_one_that_may() {
     let allowed: Vec<&str> = accepts.split(' ').collect();
     let (path, outcome) = run("crest", &[&words[..], &allowed].concat()).unwrap();
     let told = findings(&path);
-    assert!(told.contains("told: ur3_global: limits of jerk are passed: "), "{told}");
+    assert!(told.contains("warning: ur3_global: limits of jerk are passed: "), "{told}");
     // The limits on speed and acceleration are not for sale.
     assert!(matches!(outcome, Outcome::ChecksFailed(_)) && told.contains("failed: ur3_global: limits of speed"));
     assert!(figure("global_freed", "max_velocity") <= figure("local", "max_velocity") * 1.001);
@@ -279,8 +279,7 @@ fn the_spiral_has_equal_steps_and_unit_normals() {
 
 /// Whether the page on formats has every key of the summary and the columns of the trajectories.
 fn assert_documented(path: &Path) {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let (_, page) = page.split_once("\n## `jerk_motion`\n").unwrap();
+    let page = common::format_section("studies.md", "jerk_motion");
     let methods = ["ladder", "local", "global_freed", "global", "grid"];
     let learned = ["svm_random_shifted", "svm_random", "svm_gap_shifted", "svm_gap", "svm_shifted", "svm"];
     let kinds = methods.into_iter().chain(learned).chain(["geometric"]);

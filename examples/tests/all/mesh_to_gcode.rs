@@ -1,4 +1,4 @@
-//! The example `mesh_to_gcode` from outside, and its copy in the README.
+//! The example `mesh_to_gcode` from outside, and its copy in the guide.
 
 use crate::common;
 use curvlay_toolpath::gcode::{GcodeReader, Move, ReadOptions};
@@ -49,14 +49,27 @@ fn a_block_becomes_a_machine_file() {
     assert!(String::from_utf8_lossy(&missing.stderr).contains("none.stl"));
 }
 
-/// What the README quotes is the example, line by line, and short.
+/// What chapters 1 to 4 of the guide quote is together the example, line by line, and short.
 #[test]
-fn the_readme_quotes_the_example() {
+fn the_guide_quotes_the_example() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let file = fs::read_to_string(root.join("mesh_to_gcode.rs")).unwrap();
     let code = file.split_once("```\n\n").unwrap().1;
-    let readme = fs::read_to_string(root.join("../README.md")).unwrap();
-    assert!(readme.contains(&format!("```rust,no_run\n{code}```\n")));
-    let lines = code.lines().filter(|line| !line.trim().is_empty() && !line.trim().starts_with("//"));
-    assert!(lines.count() <= 50);
+    let chapters = ["01-mesh.md", "02-layers.md", "03-paths.md", "04-machine-files.md"].map(common::listings);
+    assert!(chapters.iter().all(|listings| listings.len() == 1));
+    let quoted = chapters.concat().concat();
+    let with_text = |text: &str| text.lines().filter(|line| !line.trim().is_empty()).map(str::to_owned).collect();
+    let (quoted, lines): (Vec<String>, Vec<String>) = (with_text(&quoted), with_text(code));
+    assert_eq!(quoted, lines);
+    assert!(lines.iter().filter(|line| !line.trim().starts_with("//")).count() <= 50);
+}
+
+/// All other pages have no listing that nothing would compare or compile.
+#[test]
+fn no_listing_is_left_alone() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for chapter in ["README.md", "06-other-works.md", "07-papers.md"] {
+        assert!(common::listings(chapter).is_empty(), "{chapter}");
+    }
+    assert!(!fs::read_to_string(root.join("README.md")).unwrap().contains("```rust"));
 }

@@ -101,12 +101,12 @@ fn findings_are_told_in_every_place() {
     failed.cause("the mesh is <empty>").try_to("another mesh").try_to("").try_to("--scale").allow("--allow-volume 1");
     let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
     assert_eq!(lines, ["walls < a cell: 0.1 % (near x 1)", "no volume"]);
-    assert_eq!((findings.of(Severity::Told).count(), findings.of(Severity::Failed).count()), (1, 1));
+    assert_eq!((findings.of(Severity::Warning).count(), findings.of(Severity::Failed).count()), (1, 1));
     assert!(findings.has_failed() && findings.outcome() == Outcome::ChecksFailed(Vec::new()));
     let mut summary = Summary::new();
     findings.summary(&mut summary).unwrap();
-    assert_eq!((summary.get("findings_failed"), summary.get("findings_told")), (Some(&1.into()), Some(&1.into())));
-    assert_eq!(summary.get("findings"), Some(&"told: walls < a cell: 0.1 % (near x 1)\nfailed: no volume\n  cause: the mesh is <empty>\n  try: another mesh; --scale\n  accept: --allow-volume 1".into()));
+    assert_eq!((summary.get("findings_failed"), summary.get("findings_warnings")), (Some(&1.into()), Some(&1.into())));
+    assert_eq!(summary.get("findings"), Some(&"warning: walls < a cell: 0.1 % (near x 1)\nfailed: no volume\n  cause: the mesh is <empty>\n  try: another mesh; --scale\n  accept: --allow-volume 1".into()));
     let mut report = Report::new("part");
     findings.report(&mut report);
     let html = report.to_html();

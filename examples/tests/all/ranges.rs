@@ -8,7 +8,7 @@ mod picked;
 use crate::common;
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Output;
 
 /// Runs the example.
@@ -49,7 +49,7 @@ fn ranges_of_layers_put_together_are_one_run() {
         let summary = common::summary(&place.join(name));
         assert_eq!((&summary["layers_first"], &summary["stage_done"]), (&Value::from(next), &"paths".into()));
         next = summary["layers_last"].as_u64().unwrap() + 1;
-        let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
+        let page = common::summary_keys();
         summary.keys().for_each(|key| assert!(page.contains(&format!("`{key}`")), "{key}"));
     }
     let surfaces = figures["surfaces"].as_u64().unwrap();
@@ -76,7 +76,7 @@ fn ranges_of_layers_put_together_are_one_run() {
             "even_method",
             "waits",
             "findings",
-            "findings_told",
+            "findings_warnings",
         ];
         assert!(
             of_growth.contains(&key.as_str()) || merged.get(key) == Some(value),

@@ -56,10 +56,9 @@ fn a_mesh_becomes_programs() {
     let (path, outcome) = run("tee", &[&words[..], &["--method", "beam", "--pattern", "zigzag"]].concat()).unwrap();
     let figures = summary(&path);
     assert_eq!(outcome, Outcome::Done, "{}", figures["findings"]);
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let section = page.split("## `robofdm`").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = common::format_section("studies.md", "robofdm");
     for key in figures.keys() {
-        assert!(section.contains(&format!("`{key}`")), "{key} is not in formats.md");
+        assert!(section.contains(&format!("`{key}`")), "{key} is not in docs/formats/studies.md");
     }
     let figure = |key: &str| figures[key].as_f64().unwrap();
     let parts = figures["parts"].as_u64().unwrap();
@@ -154,7 +153,7 @@ fn risky_area_that_is_left_is_a_finding() {
     let (path, outcome) = run("risky", &words).unwrap();
     let figures = summary(&path);
     let findings = figures["findings"].as_str().unwrap();
-    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && findings.contains("layers lie on nothing"), "{findings}");
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && findings.contains("layers are unsupported"), "{findings}");
     assert!(figures["hanging_layers"].as_u64() > Some(0) && figures["audit_ok"] == false);
     let share = figures["worst_layer_share"].as_f64().unwrap();
     assert!(share > 0.05 && findings.contains(&accept("--allow-unsupported", share)), "{share}: {findings}");

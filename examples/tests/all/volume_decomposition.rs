@@ -41,11 +41,10 @@ fn all_shapes_are_divided_without_overhang() {
     let (path, outcome) = run("shapes", &["--shape", "tee"]).unwrap();
     assert_eq!(outcome, Outcome::Done);
     let summary = summary(&path);
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let section = page.split("## `volume_decomposition`").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = common::format_section("studies.md", "volume_decomposition");
     for key in summary.keys() {
         let bare = SHAPES.iter().find_map(|(shape, _)| key.strip_prefix(&format!("{shape}_"))).unwrap_or(key);
-        assert!(section.contains(&format!("`{bare}`")), "{bare} is not in formats.md");
+        assert!(section.contains(&format!("`{bare}`")), "{bare} is not in docs/formats/studies.md");
     }
     for (shape, parts) in SHAPES {
         let figure = |key: &str| summary[&format!("{shape}_{key}")].as_f64().unwrap();
@@ -126,10 +125,9 @@ fn a_torch_prints_the_volumes() {
     let (path, outcome) = run("rapid", &words).unwrap();
     let figures = summary(&path);
     assert_eq!(outcome, Outcome::Done, "{}", figures["findings"]);
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md")).unwrap();
-    let section = page.split("## `volume_decomposition`").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = common::format_section("studies.md", "volume_decomposition");
     for key in figures.keys() {
-        assert!(section.contains(&format!("`{key}`")), "{key} is not in formats.md");
+        assert!(section.contains(&format!("`{key}`")), "{key} is not in docs/formats/studies.md");
     }
     let figure = |key: &str| figures[key].as_f64().unwrap();
     assert!(figure("paths") >= 2.0 && figure("path_mm") > 1000.0 && figure("robot_min") > 1.0);
@@ -244,10 +242,10 @@ fn a_blocked_torch_is_told_with_its_limit() {
     let share = figures["blocked_share"].as_f64().unwrap();
     assert!(share > 0.05 && matches!(outcome, Outcome::ChecksFailed(_)), "{share}");
     let findings = figures["findings"].as_str().unwrap();
-    assert!(findings.contains("failed: the torch would be in") && findings.contains("--allow-blocked"), "{findings}");
+    assert!(findings.contains("failed: the torch would collide") && findings.contains("--allow-blocked"), "{findings}");
     let (path, outcome) = run("allowed", &[&words[..], &["--allow-blocked", "1"]].concat()).unwrap();
     assert_eq!(outcome, Outcome::Done);
-    assert!(summary(&path)["findings"].as_str().unwrap().contains("told: the torch would be in"));
+    assert!(summary(&path)["findings"].as_str().unwrap().contains("warning: the torch would collide"));
 }
 
 #[test]

@@ -12,30 +12,9 @@
 //! its facets; the new facet there has a normal that is a combination of theirs with weights of at least 0, the one
 //! of the facet that stays at least 0 and the other above 0, so `q` lies outside it as well.
 
-use super::what_if::Undo;
-use super::{ConvexHull, Facet, IDEAL, NONE};
+use super::body::ConvexHull;
+use super::parts::{Facet, HorizonEdge, IDEAL, NONE, Undo};
 use crate::plane::{Plane, cross, minus};
-
-/// Lists that are empty between calls; kept for their memory.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch {
-    removed: Vec<u32>,
-    made: Vec<u32>,
-    horizon: Vec<HorizonEdge>,
-    /// For each point: the new facet whose edge on the horizon starts there.
-    starting_at: Vec<u32>,
-    /// For each facet: the first point that waits outside it.
-    waiting: Vec<u32>,
-}
-
-/// An edge between what a new point removes and what stays.
-#[derive(Clone, Copy, Debug)]
-struct HorizonEdge {
-    from: u32,
-    to: u32,
-    stays: u32,
-    edge_there: usize,
-}
 
 impl ConvexHull {
     /// Makes the surface of the given triangles, which form a closed one.

@@ -1,7 +1,7 @@
 //! What-ifs: a journal of changes, undone from the last to the first.
 
-use super::{ConvexHull, Facet};
-use crate::plane::Plane;
+use super::body::ConvexHull;
+use super::parts::Undo;
 
 /// A state of a hull to go back to.
 #[derive(Debug)]
@@ -10,28 +10,6 @@ pub struct Checkpoint {
     journal: usize,
     points: usize,
     newest: u32,
-}
-
-/// What undoes one change.
-#[derive(Clone, Debug)]
-pub(super) enum Undo {
-    /// The body had no volume, and these extreme points.
-    Flat(Vec<[i32; 3]>),
-    Removed {
-        facet: u32,
-        plane: Plane,
-        triangle: Facet,
-    },
-    Made {
-        facet: u32,
-        reused: bool,
-    },
-    Linked {
-        facet: u32,
-        edge: usize,
-        across: u32,
-    },
-    Point,
 }
 
 impl ConvexHull {

@@ -11,9 +11,11 @@
 //!
 //! Hardly off a singularity the pose says little about the free joint: joints that still meet the pose are kept.
 
+use super::branches::{Branch, Solutions};
 use super::follow::{NO_STOPS, SMALL};
+use super::numbers::{HELD, MAX_ANGLE, NEAR_WRIST, WRIST, meets};
 use super::planar::Free;
-use super::{Arm, Branch, FARTHEST_ANGLE, HELD, NEAR_WRIST, Solutions, WRIST, meets};
+use super::solver::Arm;
 use crate::angle::nearest_image;
 use crate::pose::parts;
 use nalgebra::{Isometry3, Matrix3, Vector3};
@@ -56,7 +58,7 @@ impl Arm {
     pub fn continuing(&self, base_flange: &Isometry3<f64>, previous: &[f64; 6]) -> Option<[f64; 6]> {
         let (r, p) = parts(base_flange).ok()?;
         // NaN fails the comparison.
-        if !previous.iter().all(|angle| angle.abs() <= FARTHEST_ANGLE) {
+        if !previous.iter().all(|angle| angle.abs() <= MAX_ANGLE) {
             return None;
         }
         let was = self.inner(previous);

@@ -12,8 +12,10 @@
 //! ([`branches_near`](super::Arm::branches_near)).
 
 use super::dh::{DhTable, TWIST};
+use super::error::ArmError;
+use super::model::{ArmModel, Geometry};
+use super::numbers::MovedAxes;
 use super::ortho::OrthoLengths;
-use super::{ArmError, ArmModel, Geometry, MovedAxes};
 use crate::pose::parts;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 

@@ -11,8 +11,8 @@
 //! the rest of the step (clamped joints: P. Baerlocher, R. Boulic, "An inverse kinematics architecture enforcing an
 //! arbitrary number of strict priority levels", The Visual Computer 20, 2004). The next step may free it again.
 
-use super::Arm;
 use super::jacobian::jacobian_of;
+use super::solver::Arm;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Steps. Three or four are enough beside a singularity; more are for the rare case of several.

@@ -9,8 +9,9 @@
 //! At zero all links stand upright. Then axis 1 points up, axes 2, 3 and 5 along y, axes 4 and 6 up.
 
 use super::branches::{Branch, Solutions, slot};
+use super::error::{ArmError, within_reach};
+use super::numbers::{ANGLE_ROUNDING, Frames, HELD, MIN_LINK_MM, MovedAxes, meets};
 use super::planar::{Free, REACH, Turn, aim, bend, shoulder};
-use super::{ArmError, Frames, HELD, MovedAxes, ROUNDING, SHORTEST, meets, within_reach};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
@@ -57,10 +58,10 @@ impl OrthoLengths {
             }
             within_reach(what, value)?;
         }
-        if c2.abs() < SHORTEST {
+        if c2.abs() < MIN_LINK_MM {
             return Err(ArmError::NoLength { link: "upper arm" });
         }
-        if a2.hypot(c3) < SHORTEST {
+        if a2.hypot(c3) < MIN_LINK_MM {
             return Err(ArmError::NoLength { link: "forearm" });
         }
         Ok(())
@@ -102,7 +103,7 @@ impl OrthoArm {
             let kept = twin.is_some_and(|q| meets(&self.forward(&q), r, p, HELD));
             let is_twin = |q: [f64; 6], f: [f64; 6]| {
                 let apart = [f[0] - q[0], f[1] - q[1], f[2] - q[2], f[3] - q[3] - PI, f[4] + q[4], f[5] - q[5] - PI];
-                apart.iter().all(|angle| angle.abs() <= ROUNDING)
+                apart.iter().all(|angle| angle.abs() <= ANGLE_ROUNDING)
             };
             let both = kept && twin.zip(flipped).is_some_and(|(q, f)| is_twin(q, f));
             if !kept {

@@ -115,7 +115,7 @@ pub(super) fn aim(x: f64, y: f64, z: f64, free: f64, singular: f64) -> (Turn, f6
 
 /// How far the elbow is bent in a posture that [`swing`] puts at the end of the links' reach, in radians: enough for
 /// its two branches to be apart, and next to nothing in the reach (1e-8 mm at a metre).
-const ENDS_APART: f64 = 4.0 * super::SAME;
+const ENDS_APART: f64 = 4.0 * super::branches::SAME;
 
 /// A lever of length `lever` turns freely about `(x, y)`, and upper arm and forearm from the origin carry its end. For
 /// the lever at `angle` its end may be out of their reach: the turn, at most half a one, to the nearest angle at which

@@ -5,8 +5,8 @@
 //! base turned by pi about z); of an ABB arm the base frame at the floor, and `tool0`, z along axis 6.
 
 use super::dh::DhTable;
+use super::model::{ArmModel, Geometry};
 use super::ortho::OrthoLengths;
-use super::{ArmModel, Geometry};
 use crate::limits::JointLimits;
 use crate::positioner::PositionerModel;
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -12,8 +12,8 @@
 
 use super::branches::{Branch, Solutions, slot};
 use super::dh::DhTable;
+use super::numbers::{ANGLE_ROUNDING, ANGLE_TOLERANCE, Frames, HELD, MovedAxes, POSITION_TOLERANCE};
 use super::planar::{Free, aim, bend, lift, shoulder, swing};
-use super::{ANGLE_TOLERANCE, Frames, HELD, MovedAxes, POSITION_TOLERANCE, ROUNDING};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -67,7 +67,7 @@ impl UrArm {
                 let (s23, c23) = sin_cos(q[1] + q[2]);
                 let (along, up) = (a[1] * c2 + a[2] * c23, d[0] + a[1] * s2 + a[2] * s23);
                 let off = rest - Vector3::new(along * plane.along.x, along * plane.along.y, up);
-                let same_sum = (q[1] + q[2] + q[3] - sum).abs() <= ROUNDING;
+                let same_sum = (q[1] + q[2] + q[3] - sum).abs() <= ANGLE_ROUNDING;
                 if !(turned_right && same_sum && off.norm_squared() <= (HELD * POSITION_TOLERANCE).powi(2)) {
                     found.remove(Branch::ALL[slot]);
                 }

@@ -1,10 +1,10 @@
 //! Measurements for a calibration, from JSON and CSV: postures with touches of one point, and postures with measured poses.
 //!
-//! `docs/formats.md` describes both formats. Angles are in degrees there, as on pendants.
+//! [`Measurements`] describes both formats. Angles are in degrees there, as on pendants.
 
 use super::data::MeasuredPose;
 use crate::arm::Arm;
-use crate::pose::LARGEST;
+use crate::pose::MAX_COORDINATE;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 use std::io::{BufRead, BufReader, Read, Write};
 
@@ -28,6 +28,8 @@ impl Touch {
 }
 
 /// What was measured.
+///
+#[doc = include_str!("../../docs/measurements.md")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurements {
     /// Touches of one point by the tip.
@@ -239,7 +241,7 @@ fn numbers<'a, const K: usize>(first: usize, cell: &impl Fn(usize) -> &'a str) -
             return Err(format!("{name} is empty, and others of its group are not"));
         }
         *value = text.parse::<f64>().map_err(|_| format!("{name}: `{text}` is not a number"))?;
-        if value.is_nan() || value.abs() > LARGEST {
+        if value.is_nan() || value.abs() > MAX_COORDINATE {
             return Err(format!("{name} is {text}: it must be from -1e6 to 1e6"));
         }
     }
@@ -256,7 +258,7 @@ fn rotation_of(rpy_deg: [f64; 3]) -> UnitQuaternion<f64> {
 mod json {
     use super::{MeasuredPose, MeasurementError, Measurements, Touch, rotation_of};
     use crate::json::JsonFault;
-    use crate::pose::LARGEST;
+    use crate::pose::MAX_COORDINATE;
     use crate::workcell::FrameModel;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
     use serde::{Deserialize, Serialize};
@@ -292,7 +294,7 @@ mod json {
     }
 
     fn each<const K: usize>(path: &str, values: [f64; K]) -> Result<[f64; K], MeasurementError> {
-        match values.iter().position(|value| value.is_nan() || value.abs() > LARGEST) {
+        match values.iter().position(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
             Some(k) => Err(MeasurementError::Number { path: format!("{path}[{k}]"), value: values[k] }),
             None => Ok(values),
         }
@@ -313,7 +315,7 @@ mod json {
     }
 
     impl Measurements {
-        /// Reads a JSON file, as `docs/formats.md` describes it.
+        /// Reads a JSON file, as [`Measurements`] describes it.
         ///
         /// # Errors
         /// [`MeasurementError`] names line and column, or the field.

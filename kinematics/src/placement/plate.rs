@@ -3,13 +3,12 @@
 use super::part::{Assessment, PlaceError, best_place, place_grid};
 use super::posture::BestPosture;
 use super::sample::representative_waypoints;
-use crate::cell::Waypoint;
 use crate::limits::JointLimits;
-use crate::progress::Progress;
+use crate::progress::ProgressFn;
 use crate::scene::{Mount, Scene, SceneError};
+use crate::setup::Waypoint;
 use crate::workcell::{PLATE, Workcell, nozzle_pairs};
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// How a place on the plate is chosen, for `F` free parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +87,7 @@ pub fn centred_on_plate<'a>(tips: impl IntoIterator<Item = &'a Point3<f64>>) -> 
 /// * `progress`: as of [`best_place`]; may stop the work.
 ///
 /// # Returns
-/// What maps the part to the part frame of the cell.
+/// What maps the part to the part frame of the workcell.
 ///
 /// # Errors
 /// [`PlateError`] names the waypoint or the option.
@@ -96,11 +95,11 @@ pub fn centred_on_plate<'a>(tips: impl IntoIterator<Item = &'a Point3<f64>>) -> 
 /// # Cost
 /// That of choosing the waypoints (their number times [`PlateOptions::representatives`]) and of [`best_place`]: some seconds.
 pub fn place_on_plate<const N: usize, const F: usize, W: Workcell<N, F>>(
-    cell: &W,
+    workcell: &W,
     waypoints: &[Waypoint],
     wanted_mm: f64,
     options: &PlateOptions<F>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Isometry3<f64>, PlateError> {
     let PlateOptions { samples, stop_margin, margin_mm, comfortable_mm, rim_mm, .. } = *options;
     let middle = centred_on_plate(waypoints.iter().map(|waypoint| &waypoint.position));
@@ -109,7 +108,7 @@ pub fn place_on_plate<const N: usize, const F: usize, W: Workcell<N, F>>(
     let chosen = representative_waypoints(&all, options.representatives, options.lever_mm)?;
     let few: Vec<Waypoint> = chosen.waypoints.iter().map(|&index| all[index]).collect();
 
-    let equipment = cell.equipment();
+    let equipment = workcell.equipment();
     let wide = all.iter().map(|at| at.position.x.hypot(at.position.y)).fold(0.0, f64::max) + rim_mm;
     let plate_mm = equipment.plate_diameter_mm(wanted_mm);
     let turns = if equipment.part_frame().0 == Mount::Base { options.turns } else { 1 };
@@ -118,10 +117,10 @@ pub fn place_on_plate<const N: usize, const F: usize, W: Workcell<N, F>>(
     let mut model = equipment.scene(plate_mm);
     (model.margin, model.allowed) = (margin_mm, nozzle_pairs(&[PLATE]));
     let scene = Scene::new(model)?;
-    let JointLimits { lower, upper, .. } = *cell.limits();
+    let JointLimits { lower, upper, .. } = *workcell.limits();
     let (lower, upper) = (lower.map(|stop| stop + stop_margin), upper.map(|stop| stop - stop_margin));
-    let postures = BestPosture::new(cell, &scene, samples, comfortable_mm)?;
-    let postures = postures.within(JointLimits { lower, upper, ..*cell.limits() });
+    let postures = BestPosture::new(workcell, &scene, samples, comfortable_mm)?;
+    let postures = postures.within(JointLimits { lower, upper, ..*workcell.limits() });
     // The part leaves the middle for reach and clearance only, not for a little more of either.
     let assess = |at: &Waypoint| postures.assess(at).map(|found| Assessment { quality: 0.0, ..found });
     let best = best_place(&places, &few, comfortable_mm, |_, at| assess(at), progress)?;

@@ -1,9 +1,9 @@
 //! The best posture of a waypoint in a workcell.
 
 use super::part::{Assessment, PlaceError};
-use crate::cell::Waypoint;
 use crate::limits::JointLimits;
 use crate::scene::Scene;
+use crate::setup::Waypoint;
 use crate::workcell::{FreeRange, Workcell};
 use std::f64::consts::TAU;
 
@@ -18,12 +18,12 @@ use std::f64::consts::TAU;
 /// use std::ops::ControlFlow::Continue;
 /// # #[cfg(feature = "serde")] {
 /// # let file = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/cells/ur3.json"))?;
-/// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_slice())? else { return Err("it has a table".into()) };
-/// let mut model = cell.equipment().scene(100.0);
+/// let AnyWorkcell::Six(workcell) = AnyWorkcell::from_json(file.as_slice())? else { return Err("it has a table".into()) };
+/// let mut model = workcell.equipment().scene(100.0);
 /// // The nozzle and what it prints on are for the rules of gouging.
 /// model.allowed = ["nozzle", "hot end"].map(|name| [name.into(), "plate".into()]).into();
 /// let scene = Scene::new(model)?;
-/// let postures = BestPosture::new(&cell, &scene, [24], 10.0)?;
+/// let postures = BestPosture::new(&workcell, &scene, [24], 10.0)?;
 /// let high = Waypoint { position: Point3::new(30.0, 0.0, 80.0), axis: Vector3::z_axis() };
 /// let best = best_place(&place_grid(20.0, 1, 1)?, &[high], 5.0, |_, at| postures.assess(at), &|_| Continue(()))?;
 /// assert!(best.unreachable.is_empty());
@@ -32,7 +32,7 @@ use std::f64::consts::TAU;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct BestPosture<'a, W, const N: usize, const F: usize> {
-    cell: &'a W,
+    workcell: &'a W,
     scene: &'a Scene,
     samples: [u32; F],
     max_clearance: f64,
@@ -44,14 +44,14 @@ const MAX_SAMPLES: f64 = 1e6;
 
 impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N, F> {
     /// # Arguments
-    /// * `scene`: of the cell. What is in it does not move with the place of the part, so leave the part out; allow the pairs
+    /// * `scene`: of the workcell. What is in it does not move with the place of the part, so leave the part out; allow the pairs
     ///   that may touch while the nozzle prints.
     /// * `samples`: of each free parameter, at most a million together: even over a turn, or from one end of the range to the other.
     /// * `max_clearance`: in millimetres; more is not looked for. A posture with more clearance is rated by its manipulability.
     ///
     /// # Errors
     /// [`PlaceError::Option`] names the argument.
-    pub fn new(cell: &'a W, scene: &'a Scene, samples: [u32; F], max_clearance: f64) -> Result<Self, PlaceError> {
+    pub fn new(workcell: &'a W, scene: &'a Scene, samples: [u32; F], max_clearance: f64) -> Result<Self, PlaceError> {
         if samples.contains(&0) {
             return Err(PlaceError::Option { what: "samples", value: 0.0, must: "at least 1 each" });
         }
@@ -65,7 +65,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
             let must = "finite and above 0";
             return Err(PlaceError::Option { what: "max_clearance", value: max_clearance, must });
         }
-        Ok(BestPosture { cell, scene, samples, max_clearance, limits: *cell.limits() })
+        Ok(BestPosture { workcell, scene, samples, max_clearance, limits: *workcell.limits() })
     }
 
     /// The same with other limits, such as stops that motions keep away from.
@@ -86,7 +86,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
 
     /// The same with the joints of the posture.
     pub fn find(&self, waypoint: &Waypoint) -> Option<(Assessment, [f64; N])> {
-        let ranges = self.cell.free();
+        let ranges = self.workcell.free();
         let count: u64 = self.samples.iter().map(|&samples| u64::from(samples)).product();
         let mut best: Option<(Assessment, [f64; N])> = None;
         for sample in 0..count {
@@ -102,7 +102,7 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
                 rest /= samples;
                 value
             });
-            self.cell.solutions(waypoint, &free, &mut |_, joints| {
+            self.workcell.solutions(waypoint, &free, &mut |_, joints| {
                 // Stops may leave a joint only images beyond half a turn.
                 let Some(joints) = self.limits.nearest_image(&joints, &joints) else { return };
                 if let Some(found) = self.better(&joints, best.map(|(best, _)| best)) {
@@ -115,13 +115,13 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
 
     /// What a posture is worth, if that is more than the best so far.
     fn better(&self, joints: &[f64; N], best: Option<Assessment>) -> Option<Assessment> {
-        let quality = self.cell.manipulability(joints);
+        let quality = self.workcell.manipulability(joints);
         let known = best.map_or((0.0, f64::NEG_INFINITY), |best| (best.clearance, best.quality));
         if known.0 >= self.max_clearance && quality <= known.1 {
             return None;
         }
         let margin = self.scene.margin();
-        let posture = self.cell.scene_posture(joints);
+        let posture = self.workcell.scene_posture(joints);
         let near = self.scene.clearance(&posture, margin + self.max_clearance).ok()?;
         let clearance = near.map_or(self.max_clearance, |near| near.nearest.distance - margin);
         let is_better = clearance > known.0 || (clearance >= known.0 && quality > known.1);

@@ -140,14 +140,12 @@ impl Chain {
     }
 }
 
-/// More than sums of coordinates and lengths lose, in millimetres.
-pub(super) const ROUNDING: f64 = 1e-6;
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::arm::{ArmModel, robots};
     use crate::limits::JointLimits;
+    use crate::scene::rounding::CHAIN_MM;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
@@ -166,12 +164,12 @@ mod tests {
                     // Axis k stands still in frame k - 1.
                     let seen = placed[k - 1].inverse() * world;
                     let distance = chain.joints[k - 1].axis[0].distance(&seen);
-                    assert!(distance <= lever_arms[k - 1] + ROUNDING, "{j} {k}: {distance} {}", lever_arms[k - 1]);
+                    assert!(distance <= lever_arms[k - 1] + CHAIN_MM, "{j} {k}: {distance} {}", lever_arms[k - 1]);
                     let ([low, high], radius) = chain.reachable_volume(k - 1, j, farthest);
                     let along = high - low;
                     let t = (seen - low).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
                     let off = (seen - (low + along * t.clamp(0.0, 1.0))).norm();
-                    assert!(off <= radius + ROUNDING, "{j} {k}: {off} {radius}");
+                    assert!(off <= radius + CHAIN_MM, "{j} {k}: {off} {radius}");
                 }
             }
         }

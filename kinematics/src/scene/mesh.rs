@@ -1,6 +1,7 @@
 //! A tree of boxes over triangles, halved at the median of the longest axis.
 
 use super::bounds::Aabb;
+use super::rounding::BOX_MM;
 use nalgebra::Point3;
 
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,7 @@ impl MeshTree {
             }
             // Rounding of centre and half must not cut anything off.
             let mut bounds = Aabb::between(&low, &high);
-            bounds.half.add_scalar_mut(ROUNDING);
+            bounds.half.add_scalar_mut(BOX_MM);
             bounds
         };
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
@@ -75,6 +76,3 @@ impl MeshTree {
         &self.triangles[self.nodes[leaf as usize].link as usize]
     }
 }
-
-/// More than sums of coordinates below [`super::FARTHEST`] lose, in millimetres.
-const ROUNDING: f64 = 1e-9;

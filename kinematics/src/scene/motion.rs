@@ -16,12 +16,10 @@
 //! Of a straight motion `B` and `C` are 0, and that is what the joint turns in half the interval.
 
 use super::query::Posture;
+use super::rounding::SHARE;
 
 /// How far joints turn, of the arm and of the table, in radians.
 pub(super) type Turns = ([f64; 6], [f64; 2]);
-
-/// Errors of `A`, `B` and `C` are less than this share of `h (|b1| + 2 |b2| + 3 |b3|)`.
-const ROUNDING: f64 = 1e-12;
 
 /// A motion of all joints.
 pub(super) struct Motion {
@@ -92,7 +90,7 @@ impl<const N: usize> Cubic<N> {
         self.powers.map(|[b1, b2, b3]| {
             let (a, b, c) = (h * (b1 + (2.0 * b2 + 3.0 * b3 * m) * m), h * h * (b2 + 3.0 * b3 * m), h * h * h * b3);
             let hull = ((a + c).abs() + b.abs()).max((a / 3.0 - c).abs() + b.abs() / 3.0);
-            hull + ROUNDING * h * (b1.abs() + 2.0 * b2.abs() + 3.0 * b3.abs())
+            hull + SHARE * h * (b1.abs() + 2.0 * b2.abs() + 3.0 * b3.abs())
         })
     }
 }

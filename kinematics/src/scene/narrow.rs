@@ -6,6 +6,7 @@
 //! points of the other along one direction, which is checked from the points. That check is the proof; the iteration
 //! merely finds the direction.
 
+use super::rounding::GAP_MM;
 use nalgebra::{Point3, Vector3};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
@@ -74,9 +75,6 @@ fn between_segments([a, a_end]: [&Point3<f64>; 2], [b, b_end]: [&Point3<f64>; 2]
     Some(v * t - w - u * s)
 }
 
-/// Coordinates that come through poses are rounded by less than this, in millimetres.
-const ROUNDING: f64 = 1e-8;
-
 /// Whether the hulls of `a` and `b` are proven to be farther apart than `threshold`.
 pub(super) fn apart(a: &[Point3<f64>], b: &[Point3<f64>], threshold: f64) -> bool {
     let closed_form = match (a, b) {
@@ -89,7 +87,7 @@ pub(super) fn apart(a: &[Point3<f64>], b: &[Point3<f64>], threshold: f64) -> boo
         GJKResult::Intersection => None,
     };
     let Some(direction) = closed_form.or_else(iterated) else { return false };
-    direction.try_normalize(f64::MIN_POSITIVE).is_some_and(|direction| gap(a, b, &direction) > threshold + ROUNDING)
+    direction.try_normalize(f64::MIN_POSITIVE).is_some_and(|direction| gap(a, b, &direction) > threshold + GAP_MM)
 }
 
 /// The nearest points of the hulls of `a` and `b`.

@@ -1,8 +1,9 @@
 //! Which pairs may touch: those that move against each other, less those proven apart at all joints.
 
 use super::body::Mount;
-use super::chain::{Chain, ROUNDING};
+use super::chain::Chain;
 use super::piece::Piece;
+use super::rounding::CHAIN_MM;
 use super::search::Meeting;
 use super::{Placed, Scene};
 use nalgebra::{Isometry3, Point3};
@@ -105,7 +106,7 @@ impl Scene {
         let identity = Isometry3::identity();
         let [grown, grown_too] = self.growth(&[a, b]);
         let threshold = self.threshold(&[a, b]) + grown + grown_too;
-        let volume = Piece::capsule(&low, &high, radius + ROUNDING, &identity);
+        let volume = Piece::capsule(&low, &high, radius + CHAIN_MM, &identity);
         let frees = |piece: &Piece| {
             Meeting::new(piece, &volume, piece.mount_piece.inv_mul(&volume.mount_piece)).apart(threshold)
         };

@@ -1,10 +1,11 @@
 //! Boolean check and distance at one posture.
 
+use super::Scene;
 use super::body::Mount;
 use super::chain::Line;
 use super::piece::Piece;
+use super::rounding;
 use super::search::{Found, Meeting};
-use super::{Scene, chain};
 use nalgebra::{Isometry3, Point3};
 
 /// Joints of the arm, and of the positioner where there is one.
@@ -64,11 +65,11 @@ pub struct Clearance<'a> {
 }
 
 /// Joints beyond this are refused.
-const MOST: f64 = 1e6;
+const MAX_JOINT: f64 = 1e6;
 
 impl Posture {
     pub(super) fn check(&self, with_table: bool) -> Result<(), PostureError> {
-        let wild = |angles: &[f64]| angles.iter().position(|angle| angle.is_nan() || angle.abs() >= MOST);
+        let wild = |angles: &[f64]| angles.iter().position(|angle| angle.is_nan() || angle.abs() >= MAX_JOINT);
         if let Some(joint) = wild(&self.joints) {
             return Err(PostureError::Joint { table: false, joint, value: self.joints[joint] });
         }
@@ -244,12 +245,12 @@ impl Poses {
     pub(super) fn farthest(&self, body: usize, pieces: &[Piece], line: &Line) -> f64 {
         let centers = &self.centers[self.first[body]..];
         let of = |(center, piece): (&Point3<f64>, &Piece)| line.distance(center) + piece.reach + piece.radius;
-        centers.iter().zip(pieces).map(of).fold(0.0, f64::max) + chain::ROUNDING
+        centers.iter().zip(pieces).map(of).fold(0.0, f64::max) + rounding::CHAIN_MM
     }
 
     /// A lower bound of the distance of two pieces, from the balls around them.
     fn gap_of_balls(&self, (i, a): (usize, &Piece), (j, b): (usize, &Piece)) -> f64 {
-        let balls = a.reach + b.reach + a.radius + b.radius + chain::ROUNDING;
+        let balls = a.reach + b.reach + a.radius + b.radius + rounding::CHAIN_MM;
         (self.centers[i] - self.centers[j]).norm() - balls
     }
 

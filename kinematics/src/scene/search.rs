@@ -3,6 +3,7 @@
 use super::bounds::Between;
 use super::narrow::{self, Nearest};
 use super::piece::{Node, Piece};
+use super::rounding::GAP_MM;
 use nalgebra::{Isometry3, Point3};
 
 /// Two pieces at their places.
@@ -24,9 +25,6 @@ pub(super) struct Found {
     /// On the surfaces; none when they overlap.
     pub points: Option<[Point3<f64>; 2]>,
 }
-
-/// Gaps of boxes are rounded by less than this, in millimetres.
-const ROUNDING: f64 = 1e-8;
 
 /// Space for the corners of one body in the frame of the other.
 const BUFFER: usize = 32;
@@ -50,7 +48,7 @@ impl<'a> Meeting<'a> {
 
     fn nodes_apart(&self, a: &Node, b: &Node, threshold: f64) -> bool {
         let (box_a, box_b) = (self.a.bounds(a), self.b.bounds(b));
-        if self.between.gap(&box_a, &box_b, threshold + ROUNDING) > threshold + ROUNDING {
+        if self.between.gap(&box_a, &box_b, threshold + GAP_MM) > threshold + GAP_MM {
             return true;
         }
         match self.open(a, b, box_a.size() >= box_b.size()) {
@@ -109,7 +107,7 @@ impl<'a> Meeting<'a> {
     }
 
     fn nodes_nearest(&self, a: &Node, b: &Node, gap: f64, found: &mut Found) {
-        if gap - self.grown - ROUNDING >= found.distance || found.distance <= 0.0 {
+        if gap - self.grown - GAP_MM >= found.distance || found.distance <= 0.0 {
             return;
         }
         let first = match self.open(a, b, self.a.bounds(a).size() >= self.b.bounds(b).size()) {

@@ -1,6 +1,6 @@
 //! Legs that touch each other: capsules between their joints, pair by pair.
 
-use super::{Stewart, StewartFault};
+use super::platform::{Stewart, StewartFault};
 use nalgebra::Vector3;
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::distance_segment_segment;

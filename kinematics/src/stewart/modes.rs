@@ -6,85 +6,14 @@
 //! pose in the base's plane, with the platform mirrored in its own plane (which leaves its joints where they are),
 //! has the same lengths.
 
-use super::Stewart;
 use super::newton::{State, StewartError, check_lengths};
+use super::platform::Stewart;
 use crate::pose::{parts, rotation};
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use crate::random::Random;
+use nalgebra::{Isometry3, Translation3, Vector3};
 
-/// A plane through a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Plane {
-    point: Vector3<f64>,
-    normal: Vector3<f64>,
-    size: f64,
-}
-
-/// How far from a plane joints may lie in it, as a share of their spread: rounding of sines.
-const FLAT: f64 = 1e-12;
 /// Poses nearer than this are one, as a share of the longest leg, and in radians.
 const SAME: f64 = 1e-6;
-
-impl Plane {
-    /// The plane of the largest triangle; `None` when all points lie on a line.
-    pub fn of(points: &[Vector3<f64>; 6]) -> Option<Self> {
-        let mut best = Vector3::zeros();
-        let mut at = points[0];
-        let mut size = 0.0f64;
-        for a in 0..6 {
-            for b in a + 1..6 {
-                size = size.max((points[b] - points[a]).norm());
-                for c in b + 1..6 {
-                    let normal = (points[b] - points[a]).cross(&(points[c] - points[a]));
-                    if normal.norm_squared() > best.norm_squared() {
-                        (best, at) = (normal, points[a]);
-                    }
-                }
-            }
-        }
-        let spread = best.norm() > 1e-9 * size * size;
-        spread.then(|| Plane { point: at, normal: best.normalize(), size })
-    }
-
-    pub fn holds(&self, points: &[Vector3<f64>; 6]) -> bool {
-        points.iter().all(|point| (point - self.point).dot(&self.normal).abs() <= FLAT * self.size)
-    }
-
-    fn mirrored(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        point - self.normal * (2.0 * (point - self.point).dot(&self.normal))
-    }
-
-    fn matrix(&self) -> Matrix3<f64> {
-        Matrix3::identity() - self.normal * self.normal.transpose() * 2.0
-    }
-}
-
-/// SplitMix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014): small, and the same everywhere.
-struct Random(u64);
-
-impl Random {
-    /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    /// All turns alike: a point of the ball in four dimensions, by rejection.
-    fn turn(&mut self) -> UnitQuaternion<f64> {
-        loop {
-            let q = Quaternion::new(self.signed(), self.signed(), self.signed(), self.signed());
-            if (1e-3..=1.0).contains(&q.norm_squared()) {
-                return UnitQuaternion::new_normalize(q);
-            }
-        }
-    }
-}
 
 impl Stewart {
     /// The mirror image of a pose: another one with the same lengths. `None` unless the joints of the base lie in a
@@ -131,7 +60,7 @@ impl Stewart {
         check_lengths(legs)?;
         let longest = legs.iter().fold(0.0, |a: f64, &b| a.max(b));
         let middle = self.base.iter().sum::<Vector3<f64>>() / 6.0;
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut found: Vec<Isometry3<f64>> = Vec::new();
         for _ in 0..starts {
             // The joints' middle is no farther from the base's than a leg and both radii; nearer is likelier.

@@ -6,10 +6,10 @@ use super::model::{
 };
 use crate::arm::robots::{ARMS, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
-use crate::cell::{CellError, nozzle_frame};
 use crate::limits::JointLimits;
 use crate::positioner::{Positioner, PositionerError, PositionerModel};
-use crate::scene::{FARTHEST, SceneError};
+use crate::scene::{MAX_COORDINATE, SceneError};
+use crate::setup::{SetupError, nozzle_frame};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// Why numbers make no workcell. `path` is the field, as in the file: `solids[2].shape.block.min_mm[0]`.
@@ -76,7 +76,7 @@ pub enum WorkcellError {
         /// What is wrong with it.
         what: &'static str,
     },
-    /// Something is on a table, and there is none; or the arm has no such link.
+    /// Something is on a table that the workcell does not have, or on a link that the arm does not have.
     #[error("{path}: {what}")]
     Mount {
         /// The field.
@@ -121,7 +121,7 @@ pub enum WorkcellError {
     },
     /// A frame.
     #[error(transparent)]
-    Cell(#[from] CellError),
+    Setup(#[from] SetupError),
     /// The bodies make no scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -134,11 +134,11 @@ pub(super) fn wrong(path: impl Into<String>, value: f64, must: impl Into<String>
 /// A number that a length or a coordinate can be.
 pub(super) fn finite(path: impl Into<String>, value: f64) -> Result<f64, WorkcellError> {
     // NaN fails the comparison.
-    if value.abs() <= FARTHEST { Ok(value) } else { Err(wrong(path, value, "a number from -1e6 to 1e6")) }
+    if value.abs() <= MAX_COORDINATE { Ok(value) } else { Err(wrong(path, value, "a number from -1e6 to 1e6")) }
 }
 
 pub(super) fn positive(path: impl Into<String>, value: f64) -> Result<f64, WorkcellError> {
-    if value > 0.0 && value <= FARTHEST { Ok(value) } else { Err(wrong(path, value, "above 0 and at most 1e6")) }
+    if value > 0.0 && value <= MAX_COORDINATE { Ok(value) } else { Err(wrong(path, value, "above 0 and at most 1e6")) }
 }
 
 pub(super) fn each<const K: usize>(path: &str, values: &[f64; K]) -> Result<[f64; K], WorkcellError> {
@@ -201,7 +201,7 @@ pub(super) fn frame(path: &str, model: &FrameModel) -> Result<Isometry3<f64>, Wo
     Ok(Isometry3::from_parts(Translation3::from(position), rotation))
 }
 
-/// The limits of a robot, with what a cell says of them.
+/// The limits of a robot, with what a workcell says of them.
 fn limits<const N: usize>(
     path: &str,
     known: JointLimits<N>,
@@ -256,7 +256,7 @@ pub(super) fn named<T: Copy>(path: &str, name: &str, all: &[(&str, &T)]) -> Resu
     })
 }
 
-/// The arm, and the numbers that it was made from, with the limits of the cell.
+/// The arm, and the numbers that it was made from, with the limits of the workcell.
 pub(super) fn arm(part: &ArmPart) -> Result<(Arm, ArmModel), WorkcellError> {
     let free = |geometry, offsets, signs| ArmModel { geometry, offsets, signs, limits: JointLimits::NONE };
     let path = "arm.geometry";
@@ -311,7 +311,7 @@ pub(super) fn deviation(calibration: &CalibrationModel) -> Result<ArmDeviation, 
     Ok(ArmDeviation { offsets, axes })
 }
 
-/// A table in a cell.
+/// A table in a workcell.
 pub(super) struct Table {
     pub positioner: Positioner,
     pub print_tilt: [f64; 2],

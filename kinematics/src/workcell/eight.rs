@@ -1,15 +1,16 @@
-//! Cells of eight axes.
+//! Workcells of eight axes.
 
 use super::check::{Table, WorkcellError};
 use super::equipment::Equipment;
 use super::model::Held;
-use super::{ControllerPose, Following, FreeRange, Stance, Workcell};
+use super::{ControllerPose, Following, FreeRange, Workcell, WorkcellFrames};
+use crate::angle::short_way;
 use crate::arm::{ANGLE_TOLERANCE, Branch, POSITION_TOLERANCE};
-use crate::cell::{Cell, TableCell, Waypoint, nozzle_frame};
 use crate::limits::JointLimits;
 use crate::scene;
+use crate::setup::{Setup, TableSetup, Waypoint, nozzle_frame};
 use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// An arm with the nozzle in its hand over a table that carries the part. Free are the tilt and the turn of the table; the
 /// table's joints are the last two of eight.
@@ -21,9 +22,9 @@ use std::f64::consts::{PI, TAU};
 ///   direction of growth, turned by the `tool_angle` of the positioner about the nozzle. So the arm does not turn with the
 ///   table. Only a direction of growth straight down in the base has no such frame: no posture with a derivative there.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EightAxisCell {
+pub struct EightAxisWorkcell {
     equipment: Equipment,
-    cell: TableCell,
+    setup: TableSetup,
     limits: JointLimits<8>,
     free: [FreeRange; 2],
     tool: Tool,
@@ -43,11 +44,11 @@ enum Tool {
 /// of the nozzle has no derivative.
 const DOWN: f64 = 1e-9;
 
-impl EightAxisCell {
+impl EightAxisWorkcell {
     pub(super) fn new(equipment: Equipment, table: &Table) -> Result<Self, WorkcellError> {
         let ((_, part), (_, nozzle)) = (equipment.part_frame(), equipment.nozzle_frame());
         let arm = *equipment.arm();
-        let cell = TableCell::nozzle_in_hand(arm, nozzle, table.positioner, part)?;
+        let setup = TableSetup::nozzle_in_hand(arm, nozzle, table.positioner, part)?;
         let (six, two) = (arm.limits(), table.positioner.limits());
         let limits = JointLimits {
             lower: eight(&six.lower, two.lower),
@@ -70,34 +71,34 @@ impl EightAxisCell {
         } else {
             Tool::Heading(table.tool_angle)
         };
-        Ok(EightAxisCell { equipment, cell, limits, free: [FreeRange::Within(min, max), turn], tool })
+        Ok(EightAxisWorkcell { equipment, setup, limits, free: [FreeRange::Within(min, max), turn], tool })
     }
 
     /// Its kinematics.
-    pub fn cell(&self) -> &TableCell {
-        &self.cell
+    pub fn setup(&self) -> &TableSetup {
+        &self.setup
     }
 
-    /// The table and the cell with it, tilted and turned as said. The turn may have come round.
-    fn turned(&self, tilt: f64, turn: f64) -> Option<([f64; 2], Cell)> {
+    /// The table and the setup with it, tilted and turned as said. The turn may have come round.
+    fn turned(&self, tilt: f64, turn: f64) -> Option<([f64; 2], Setup)> {
         let turn = match self.free[1] {
-            FreeRange::Turn => turn - TAU * (turn / TAU).round(),
+            FreeRange::Turn => short_way(turn),
             FreeRange::Within(..) => turn,
         };
         let table = [tilt, turn];
-        Some((table, self.cell.at(&table)?))
+        Some((table, self.setup.at(&table)?))
     }
 
     /// Where the flange must be for a waypoint; joint 6 then comes to rest, if the nozzle is on its axis.
-    fn flange(&self, cell: &Cell, waypoint: &Waypoint, turn: f64) -> Isometry3<f64> {
+    fn flange(&self, setup: &Setup, waypoint: &Waypoint, turn: f64) -> Isometry3<f64> {
         match self.tool {
-            Tool::OnAxis { .. } => cell.flange(waypoint, turn),
+            Tool::OnAxis { .. } => setup.flange(waypoint, turn),
             Tool::Heading(angle) => {
-                let base_part = cell.part_frame().1;
+                let base_part = setup.part_frame().1;
                 let tip = base_part * waypoint.position;
                 let growth = UnitVector3::new_unchecked(base_part.rotation * waypoint.axis.into_inner());
                 let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle + turn);
-                nozzle_frame(&tip, &-growth) * heading * cell.nozzle_frame().1.inverse()
+                nozzle_frame(&tip, &-growth) * heading * setup.nozzle_frame().1.inverse()
             }
         }
     }
@@ -112,15 +113,15 @@ impl EightAxisCell {
     }
 
     /// How fast the nozzle, if it moved with the table, would turn about itself against its heading: by tilt and turn.
-    fn spin(&self, table: &[f64; 2], cell: &Cell, waypoint: &Waypoint) -> Option<[f64; 2]> {
-        let a = cell.part_frame().1.rotation * waypoint.axis.into_inner();
+    fn spin(&self, table: &[f64; 2], setup: &Setup, waypoint: &Waypoint) -> Option<[f64; 2]> {
+        let a = setup.part_frame().1.rotation * waypoint.axis.into_inner();
         let risen = 1.0 + a.z;
         if risen < DOWN {
             return None;
         }
         // The shortest turn from z to `a` has no part of its speed along z + a.
         let between = a + Vector3::z();
-        Some(self.cell.positioner().axes(table).map(|(_, axis)| axis.dot(&between) / risen))
+        Some(self.setup.positioner().axes(table).map(|(_, axis)| axis.dot(&between) / risen))
     }
 }
 
@@ -136,7 +137,7 @@ fn six_and_two(joints: &[f64; 8]) -> ([f64; 6], [f64; 2]) {
     ([a, b, c, d, e, f], [tilt, turn])
 }
 
-impl Workcell<8, 2> for EightAxisCell {
+impl Workcell<8, 2> for EightAxisWorkcell {
     fn equipment(&self) -> &Equipment {
         &self.equipment
     }
@@ -150,21 +151,21 @@ impl Workcell<8, 2> for EightAxisCell {
     }
 
     fn solutions(&self, waypoint: &Waypoint, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 8])) {
-        let Some((table, cell)) = self.turned(free[0], free[1]) else { return };
-        for (branch, joints) in cell.arm().inverse(&self.flange(&cell, waypoint, 0.0)).unwrap_or_default().iter() {
+        let Some((table, setup)) = self.turned(free[0], free[1]) else { return };
+        for (branch, joints) in setup.arm().inverse(&self.flange(&setup, waypoint, 0.0)).unwrap_or_default().iter() {
             each(branch.slot() as u32, eight(&self.resting(joints), table));
         }
     }
 
     fn following(&self, waypoint: &Waypoint, free: &[f64; 2], branch: u32) -> Option<Following<8, 2>> {
-        let (table, cell) = self.turned(free[0], free[1])?;
-        let found = cell.arm().inverse(&self.flange(&cell, waypoint, 0.0)).ok()?;
+        let (table, setup) = self.turned(free[0], free[1])?;
+        let found = setup.arm().inverse(&self.flange(&setup, waypoint, 0.0)).ok()?;
         let joints = self.resting(found.get(*Branch::ALL.get(branch as usize)?)?);
-        let [tool, tilt, turn] = self.cell.rates(&table, &joints)?.map(|rates| rates.first);
+        let [tool, tilt, turn] = self.setup.rates(&table, &joints)?.map(|rates| rates.first);
         let [tilt, turn] = match self.tool {
             Tool::OnAxis { .. } => [tilt, turn].map(|[a, b, c, d, e, _]| [a, b, c, d, e, 0.0]),
             Tool::Heading(_) => {
-                let [by_tilt, by_turn] = self.spin(&table, &cell, waypoint)?;
+                let [by_tilt, by_turn] = self.spin(&table, &setup, waypoint)?;
                 let less = |rates: [f64; 6], spin: f64| std::array::from_fn(|j| rates[j] - spin * tool[j]);
                 [less(tilt, by_tilt), less(turn, by_turn)]
             }
@@ -175,34 +176,34 @@ impl Workcell<8, 2> for EightAxisCell {
     fn nozzle_on_part(&self, joints: &[f64; 8]) -> Option<Isometry3<f64>> {
         // Also where a turn passes its stops, which is another fault.
         let (arm, [tilt, turn]) = six_and_two(joints);
-        let (_, cell) = self.turned(tilt, turn)?;
-        Some(cell.nozzle_on_part(&arm))
+        let (_, setup) = self.turned(tilt, turn)?;
+        Some(setup.nozzle_on_part(&arm))
     }
 
     fn continuing(&self, waypoint: &Waypoint, _: &[f64; 2], turn: f64, previous: &[f64; 8]) -> Option<[f64; 8]> {
         // The table stays as it is, whole turns included.
         let (joints, table) = six_and_two(previous);
-        let cell = self.cell.at(&table)?;
-        let (arm, flange) = (cell.arm(), self.flange(&cell, waypoint, 0.0));
+        let setup = self.setup.at(&table)?;
+        let (arm, flange) = (setup.arm(), self.flange(&setup, waypoint, 0.0));
         let flange = match self.tool {
             Tool::OnAxis { rest, sense } => {
                 // By how much of a tool angle joint 6 leaves its rest.
                 let off = arm.inverse(&flange).ok()?.get(arm.branch(&joints))?[5] - rest;
-                self.flange(&cell, waypoint, turn - sense * off)
+                self.flange(&setup, waypoint, turn - sense * off)
             }
-            Tool::Heading(_) => self.flange(&cell, waypoint, turn),
+            Tool::Heading(_) => self.flange(&setup, waypoint, turn),
         };
         Some(eight(&arm.continuing(&flange, &joints)?, table))
     }
 
-    fn stance(&self, joints: &[f64; 8]) -> Option<Stance> {
+    fn frames(&self, joints: &[f64; 8]) -> Option<WorkcellFrames> {
         let (arm, table) = six_and_two(joints);
-        Some(super::stance(&self.cell.at(&table)?, &arm, Held::Nozzle))
+        Some(super::frames_of(&self.setup.at(&table)?, &arm, Held::Nozzle))
     }
 
     fn controller_pose(&self, joints: &[f64; 8]) -> Option<ControllerPose> {
         let (arm, table) = six_and_two(joints);
-        Some(super::controller_pose(&self.cell.at(&table)?, &arm, Some(table)))
+        Some(super::controller_pose(&self.setup.at(&table)?, &arm, Some(table)))
     }
 
     fn scene_posture(&self, joints: &[f64; 8]) -> scene::Posture {

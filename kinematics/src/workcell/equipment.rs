@@ -102,7 +102,7 @@ impl Equipment {
             let taken = [NOZZLE, HOT_END, PLATE, PART].contains(&solid.name.as_str())
                 || self.links.iter().chain(&self.bodies[..stands]).any(same);
             if taken {
-                return Err(wrong(index, "stands for another body of the cell"));
+                return Err(wrong(index, "stands for another body of the workcell"));
             }
             if self.bodies[stands..stands + index].iter().any(same) {
                 return Err(wrong(index, "is there twice"));
@@ -134,24 +134,24 @@ impl Equipment {
         &self.model
     }
 
-    /// The home posture in radians, if the model names one: all `N` joints of the cell.
+    /// The home posture in radians, if the model names one: all `N` joints of the workcell.
     pub fn home<const N: usize>(&self) -> Option<[f64; N]> {
         let degrees = self.model.home_deg.as_ref()?;
         let radians: Vec<f64> = degrees.iter().map(|angle| angle.to_radians()).collect();
         radians.try_into().ok()
     }
 
-    /// What a report calls the cell.
+    /// What a report calls the workcell.
     pub fn name(&self) -> &str {
         &self.model.name
     }
 
-    /// The numbers of the arm without its calibration, with the limits of the cell.
+    /// The numbers of the arm without its calibration, with the limits of the workcell.
     pub fn arm_model(&self) -> &ArmModel {
         &self.arm_model
     }
 
-    /// The arm, within the limits of the cell.
+    /// The arm, within the limits of the workcell.
     pub fn arm(&self) -> &Arm {
         &self.arm
     }
@@ -161,7 +161,7 @@ impl Equipment {
         self.link_bodies.as_ref()
     }
 
-    /// The table, where there is one, within the limits of the cell.
+    /// The table, where there is one, within the limits of the workcell.
     pub fn positioner(&self) -> Option<&Positioner> {
         self.positioner.as_ref()
     }
@@ -338,7 +338,7 @@ fn body(
         MountModel::Link(link) if (1..=6).contains(&link) => (Mount::Link(link), Isometry3::identity()),
         MountModel::Link(_) => return Err(no_place("links are numbered from 1 to 6")),
         MountModel::Flange => (Mount::Link(6), Isometry3::identity()),
-        MountModel::Tilt | MountModel::Table if !has_table => return Err(no_place("the cell has no positioner")),
+        MountModel::Tilt | MountModel::Table if !has_table => return Err(no_place("the workcell has no positioner")),
         MountModel::Tilt => (Mount::Tilt, Isometry3::identity()),
         MountModel::Table => (Mount::Table, Isometry3::identity()),
         MountModel::Part => *part,

@@ -50,7 +50,7 @@ struct Versioned {
 
 #[cfg(feature = "serde")]
 impl WorkcellModel {
-    /// Reads a model from a JSON file, as `docs/formats.md` describes it. Its numbers are not checked yet:
+    /// Reads a model from a JSON file, as the [module](crate::workcell) describes it. Its numbers are not checked yet:
     /// [`AnyWorkcell::from_json`](super::AnyWorkcell::from_json) reads and checks.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The scene of a print: a workcell with the part as far as it is built.
+//! The scene of a print: a workcell with the layers that are built so far.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), sections 2.5 and 3.5.3. The part is made of cells and grows
 //! layer by layer. What must keep apart depends on what the robot does, so there are three states of one scene:
@@ -47,7 +47,7 @@ pub struct GrowingOptions {
     pub resolution_mm: f64,
     /// Resolution where the first proves nothing. Default 0.25: with more, narrow passes count as closed.
     pub fine_resolution_mm: f64,
-    /// The indicator does not look farther than this. Default 30: with less, filters of motions are told too late.
+    /// The indicator does not look farther than this. Default 30: with less, filters of motions react too late.
     pub near_mm: f64,
     /// Whether the arm has no bodies: then nothing says what it touches, and nothing may be called free. Default false: an arm
     /// without bodies is refused.
@@ -117,7 +117,7 @@ pub enum GrowingError {
     Scene(#[from] SceneError),
 }
 
-/// A workcell with the part as far as it is built. See the documentation of [`GrowingOptions`] for the distances.
+/// A workcell with the layers that are built so far. See the documentation of [`GrowingOptions`] for the distances.
 ///
 /// Layers are numbered from 0; [`begin`](Self::begin) and [`build`](Self::build) add them. All queries take `&self`, and a
 /// clone costs as much memory as four scenes with their cells.
@@ -129,19 +129,19 @@ pub enum GrowingError {
 /// use curvlay_kinematics::workcell::{AnyWorkcell, ClearanceLevel, GrowingOptions, GrowingScene, PartCells, Workcell};
 /// # #[cfg(feature = "serde")] {
 /// let file = include_str!("../../../examples/cells/ur3.json");
-/// let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+/// let AnyWorkcell::Six(workcell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
 /// // A block of 20 x 20 x 4 mm in two layers, in the middle of a plate of 120 mm.
 /// let layers = [(0..100).collect::<Vec<u32>>(), (100..200).collect()];
 /// let part = PartCells {
 ///     dims: [10, 10, 2], rows: &[0x3ff; 20], cell_mm: 2.0, origin: Point3::new(-10.0, -10.0, 0.0),
 ///     frame_part: Isometry3::identity(), layers: &layers,
 /// };
-/// let mut scene = GrowingScene::new(&cell, &part, 120.0, &GrowingOptions::default())?;
+/// let mut scene = GrowingScene::new(&workcell, &part, 120.0, &GrowingOptions::default())?;
 /// // A posture with the nozzle upright on the first layer.
 /// let waypoint = Waypoint { position: Point3::new(0.0, 0.0, 2.0), axis: Vector3::z_axis() };
 /// let mut found = None;
 /// for sample in 0..24 {
-///     cell.solutions(&waypoint, &[0.25 * f64::from(sample)], &mut |_, joints| {
+///     workcell.solutions(&waypoint, &[0.25 * f64::from(sample)], &mut |_, joints| {
 ///         let fits = matches!(scene.touching_printing(&joints, ClearanceLevel::Least), Ok(None));
 ///         found = found.or(fits.then_some(joints));
 ///     });

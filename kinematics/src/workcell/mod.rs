@@ -1,16 +1,16 @@
 //! A workcell as data: an arm, what it holds, the nozzle, a table, a plate, and whatever else stands there.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.5: a UR3 that holds the part under a
-//! fixed nozzle, and an arm with the nozzle over a table that tilts and turns. Here these are two files, and a cell of your
-//! own is a third one: see [`WorkcellModel`], and `docs/formats.md` for the JSON file (cargo feature `serde`).
+//! fixed nozzle, and an arm with the nozzle over a table that tilts and turns. Here these are two files, and a workcell of your
+//! own is a third one: see [`WorkcellModel`], and [below](#workcells) for the JSON file (cargo feature `serde`).
 //!
 //! [`AnyWorkcell::new`] checks the numbers of a model. What comes out answers all that planners of motions ask of a robot:
 //! [`Workcell`]. There are two kinds, which differ in the number of their joints `N` and of the parameters `F` that a
 //! waypoint leaves free:
-//! * [`SixAxisCell`]: `N = 6`, `F = 1`, the tool angle;
-//! * [`EightAxisCell`]: `N = 8` (the table's tilt and turn come last), `F = 2`, tilt and turn.
+//! * [`SixAxisWorkcell`]: `N = 6`, `F = 1`, the tool angle;
+//! * [`EightAxisWorkcell`]: `N = 8` (the table's tilt and turn come last), `F = 2`, tilt and turn.
 //!
-//! [`GrowingScene`] is such a cell with the part as far as it is built: what touches while printing, and while moving.
+//! [`GrowingScene`] is such a workcell with the layers that are built so far: what touches while printing, and while moving.
 //!
 //! Symbols: `theta` of section 4.3.1 is `free` here, `q` is `joints`. Branches are the slots of [`Branch`](crate::Branch).
 //!
@@ -46,17 +46,19 @@
 //!     stand: None,
 //!     solids: vec![],
 //! };
-//! let AnyWorkcell::Six(cell) = AnyWorkcell::new(model)? else { return Err("it has a table".into()) };
-//! assert_eq!(cell.equipment().part_frame().0, Mount::Link(6));
-//! let scene = Scene::new(cell.equipment().scene(100.0))?;
+//! let AnyWorkcell::Six(workcell) = AnyWorkcell::new(model)? else { return Err("it has a table".into()) };
+//! assert_eq!(workcell.equipment().part_frame().0, Mount::Link(6));
+//! let scene = Scene::new(workcell.equipment().scene(100.0))?;
 //! let waypoint = Waypoint { position: Point3::new(0.0, 0.0, 30.0), axis: Vector3::z_axis() };
 //! let mut free = 0;
-//! cell.solutions(&waypoint, &[0.5], &mut |_branch, joints| {
-//!     free += usize::from(matches!(scene.touching(&cell.scene_posture(&joints)), Ok(None)));
+//! workcell.solutions(&waypoint, &[0.5], &mut |_branch, joints| {
+//!     free += usize::from(matches!(scene.touching(&workcell.scene_posture(&joints)), Ok(None)));
 //! });
 //! assert!(free > 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+#![doc = include_str!("../../docs/workcells.md")]
 
 mod check;
 mod eight;
@@ -68,7 +70,7 @@ mod model;
 mod six;
 
 pub use check::WorkcellError;
-pub use eight::EightAxisCell;
+pub use eight::EightAxisWorkcell;
 pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE, PlateContact};
 pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
@@ -78,12 +80,12 @@ pub use model::{
     MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, RollerModel, ShapeModel, SolidModel,
     StandModel, VERSION, WorkcellModel,
 };
-pub use six::SixAxisCell;
+pub use six::SixAxisWorkcell;
 
-use crate::cell::{Cell, Waypoint};
 use crate::limits::JointLimits;
-use crate::program::{ConfData, Target};
 use crate::scene;
+use crate::setup::{Setup, Waypoint};
+use crate::target::{ConfData, Target};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
@@ -105,10 +107,10 @@ pub type Following<const N: usize, const F: usize> = ([f64; N], [[f64; N]; F]);
 /// Nothing here allocates but what is said to; all answers depend on the arguments alone. A waypoint, a parameter or a joint
 /// that is not finite has no solution.
 pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
-    /// What stands in the cell: the scene, the frames of part and nozzle.
+    /// What stands in the workcell: the scene, the frames of part and nozzle.
     fn equipment(&self) -> &Equipment;
 
-    /// Limits of all joints in this cell; those of the table come last.
+    /// Limits of all joints in this workcell; those of the table come last.
     fn limits(&self) -> &JointLimits<N>;
 
     /// What the free parameters may be.
@@ -135,7 +137,7 @@ pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
     fn continuing(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, previous: &[f64; N]) -> Option<[f64; N]>;
 
     /// Where everything is at a posture, in the base; `None` where a table is beyond its limits.
-    fn stance(&self, joints: &[f64; N]) -> Option<Stance>;
+    fn frames(&self, joints: &[f64; N]) -> Option<WorkcellFrames>;
 
     /// The posture as a controller takes it; `None` where a table is beyond its limits.
     fn controller_pose(&self, joints: &[f64; N]) -> Option<ControllerPose>;
@@ -147,9 +149,9 @@ pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
     fn manipulability(&self, joints: &[f64; N]) -> f64;
 }
 
-/// Where things are at a posture, in the base: for pictures.
+/// The frames of what moves at a posture, in the base: for pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stance {
+pub struct WorkcellFrames {
     /// The frames of the arm, from the base to the flange.
     pub arm: [Isometry3<f64>; 7],
     /// What carries the part: flange, table, or the base at the part frame.
@@ -177,17 +179,17 @@ pub fn tool_frame(nozzle: &Isometry3<f64>) -> Isometry3<f64> {
     nozzle * Isometry3::from_parts(Translation3::identity(), flip)
 }
 
-fn controller_pose(cell: &Cell, joints: &[f64; 6], table: Option<[f64; 2]>) -> ControllerPose {
-    let pose = tool_frame(&cell.nozzle_on_part(joints));
-    ControllerPose { target: Target { pose, conf: ConfData::of(cell.arm(), joints) }, table, joints: *joints }
+fn controller_pose(setup: &Setup, joints: &[f64; 6], table: Option<[f64; 2]>) -> ControllerPose {
+    let pose = tool_frame(&setup.nozzle_on_part(joints));
+    ControllerPose { target: Target { pose, conf: ConfData::of(setup.arm(), joints) }, table, joints: *joints }
 }
 
-fn stance(cell: &Cell, joints: &[f64; 6], held: Held) -> Stance {
-    let arm = cell.arm().frames(joints);
-    let ((_, part), (_, nozzle)) = (cell.part_frame(), cell.nozzle_frame());
+fn frames_of(setup: &Setup, joints: &[f64; 6], held: Held) -> WorkcellFrames {
+    let arm = setup.arm().frames(joints);
+    let ((_, part), (_, nozzle)) = (setup.part_frame(), setup.nozzle_frame());
     match held {
-        Held::Part => Stance { arm, carrier: arm[6], part: arm[6] * part, nozzle },
-        Held::Nozzle => Stance { arm, carrier: part, part, nozzle: arm[6] * nozzle },
+        Held::Part => WorkcellFrames { arm, carrier: arm[6], part: arm[6] * part, nozzle },
+        Held::Nozzle => WorkcellFrames { arm, carrier: part, part, nozzle: arm[6] * nozzle },
     }
 }
 
@@ -196,9 +198,9 @@ fn stance(cell: &Cell, joints: &[f64; 6], held: Held) -> Stance {
 #[expect(clippy::large_enum_variant, reason = "there is one of these in a program")]
 pub enum AnyWorkcell {
     /// An arm alone.
-    Six(SixAxisCell),
+    Six(SixAxisWorkcell),
     /// An arm and a table.
-    Eight(EightAxisCell),
+    Eight(EightAxisWorkcell),
 }
 
 impl AnyWorkcell {
@@ -226,7 +228,7 @@ impl AnyWorkcell {
     /// # Example
     /// ```
     /// use curvlay_kinematics::nalgebra::Point3;
-    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, LinkMeshModel, FrameModel, WorkcellModel};
+    /// use curvlay_kinematics::workcell::{AnyWorkcell, BodiesModel, FrameModel, LinkMeshModel, WorkcellModel};
     /// # #[cfg(feature = "serde")] {
     /// let mut model = WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes())?;
     /// let mesh = |link| LinkMeshModel { link, file: "link.stl".into(), unit_mm: 1000.0, frame: FrameModel::default() };
@@ -234,20 +236,20 @@ impl AnyWorkcell {
     /// // A tetrahedron of 2 cm, in metres.
     /// let points = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.02]].map(Point3::from).to_vec();
     /// let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    /// let cell = AnyWorkcell::with_link_meshes(model, &mut |_| Ok((points.clone(), triangles.clone())))?;
-    /// assert_eq!(cell.equipment().scene(100.0).links.len(), 7);
+    /// let workcell = AnyWorkcell::with_link_meshes(model, &mut |_| Ok((points.clone(), triangles.clone())))?;
+    /// assert_eq!(workcell.equipment().scene(100.0).links.len(), 7);
     /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_link_meshes(model: WorkcellModel, read: LinkMeshReader<'_>) -> Result<Self, WorkcellError> {
         let (equipment, table) = Equipment::new(model, read)?;
         Ok(match table {
-            None => AnyWorkcell::Six(SixAxisCell::new(equipment)?),
-            Some(table) => AnyWorkcell::Eight(EightAxisCell::new(equipment, &table)?),
+            None => AnyWorkcell::Six(SixAxisWorkcell::new(equipment)?),
+            Some(table) => AnyWorkcell::Eight(EightAxisWorkcell::new(equipment, &table)?),
         })
     }
 
-    /// Reads a workcell from a JSON file, as `docs/formats.md` describes it, and checks it.
+    /// Reads a workcell from a JSON file, as the [module](crate::workcell) describes it, and checks it.
     ///
     /// # Errors
     /// [`WorkcellFileError`] names line and column, or the field.
@@ -256,11 +258,11 @@ impl AnyWorkcell {
         Ok(Self::new(WorkcellModel::from_json(input)?)?)
     }
 
-    /// What stands in the cell.
+    /// What stands in the workcell.
     pub fn equipment(&self) -> &Equipment {
         match self {
-            AnyWorkcell::Six(cell) => cell.equipment(),
-            AnyWorkcell::Eight(cell) => cell.equipment(),
+            AnyWorkcell::Six(workcell) => workcell.equipment(),
+            AnyWorkcell::Eight(workcell) => workcell.equipment(),
         }
     }
 }

@@ -13,7 +13,7 @@ pub const VERSION: u32 = 1;
 pub struct WorkcellModel {
     /// Version of the format: [`VERSION`].
     pub version: u32,
-    /// What a report calls the cell.
+    /// What a report calls the workcell.
     pub name: String,
     /// The arm, which stands in the origin.
     pub arm: ArmPart,
@@ -48,9 +48,9 @@ pub struct WorkcellModel {
     pub solids: Vec<SolidModel>,
 }
 
-/// Settings of the programs of a cell: [`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell),
+/// Settings of the programs of a workcell: [`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell),
 /// [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell) and
-/// [`StreamOptions::of_workcell`](crate::program::StreamOptions::of_workcell) take them.
+/// [`StreamOptions::of_workcell`](crate::print_program::StreamOptions::of_workcell) take them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ControllerModel {
@@ -91,7 +91,7 @@ pub struct ArmPart {
     /// How the arm that stands there differs from these, by its calibration; absent: not at all.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub calibration: Option<CalibrationModel>,
-    /// What its joints may do in this cell.
+    /// What its joints may do in this workcell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: LimitsModel<6>,
     /// The bodies of its links; absent: those that are known of an arm of these lengths, see
@@ -362,13 +362,13 @@ pub struct PositionerPart {
     pub geometry: PositionerGeometry,
     /// Where it stands in the base of the arm.
     pub frame: FrameModel,
-    /// What its joints may do in this cell.
+    /// What its joints may do in this workcell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: LimitsModel<2>,
     /// The tilts at which waypoints are printed, from the first to the second; within the limits.
     pub print_tilt_deg: [f64; 2],
     /// The angle about the nozzle, if the nozzle does not lie on axis 6: see
-    /// [`EightAxisCell`](super::EightAxisCell).
+    /// [`EightAxisWorkcell`](super::EightAxisWorkcell).
     #[cfg_attr(feature = "serde", serde(default))]
     pub tool_angle_deg: f64,
 }

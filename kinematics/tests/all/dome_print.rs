@@ -6,7 +6,7 @@ use curvlay_kinematics::program::{
     Goal, Move, RapidOptions, Speed, Step, Target, TurnError, TurnPath, Zone, choose_turns, print_on_dome, read_rapid,
     run_on_dome, write_rapid,
 };
-use curvlay_kinematics::{Arm, Cell, Waypoint, nozzle_frame, robots};
+use curvlay_kinematics::{Arm, Setup, Waypoint, nozzle_frame, robots};
 use proptest::prelude::*;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -67,7 +67,7 @@ proptest! {
         prop_assert!((pose.translation.vector - general.translation.vector).norm() < 1e-9);
         prop_assert!(pose.rotation.angle_to(&general.rotation) < 1e-9);
         let nozzle = nozzle_frame(&rig.contact(), &-Vector3::z_axis());
-        let cell = Cell::part_in_hand(arm(), Isometry3::translation(0.0, 0.0, -rig.effector), nozzle).unwrap();
+        let cell = Setup::part_in_hand(arm(), Isometry3::translation(0.0, 0.0, -rig.effector), nozzle).unwrap();
         let waypoint = Waypoint { position: at, axis: normal };
         for turn in [turn, turn + more] {
             let ours = rig.target_on(&at, &normal, turn);

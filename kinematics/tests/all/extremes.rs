@@ -5,8 +5,8 @@ use curvlay_kinematics::nalgebra::{Isometry3, Point3, Quaternion, Translation3, 
 use curvlay_kinematics::scene::{Body, Mount, PostureError, Scene, SceneModel, Shape, Sweep, cubic_control, links};
 use curvlay_kinematics::stewart::{PathError, Stewart, StewartModel, WorkspaceError, WorkspaceOptions};
 use curvlay_kinematics::{
-    Arm, ArmModel, Assessment, CalibrationError, Cell, CellError, DhTable, Geometry, JointLimits, OrthoLengths,
-    PartPlace, PlaceError, PlacementError, Positioner, PositionerError, PositionerModel, ReachOptions, TableCell,
+    Arm, ArmModel, Assessment, CalibrationError, DhTable, Geometry, JointLimits, OrthoLengths, PartPlace, PlaceError,
+    PlacementError, Positioner, PositionerError, PositionerModel, ReachOptions, Setup, SetupError, TableSetup,
     Waypoint, best_place, calibrate_tip, fullest_box, place_grid, reachable_points, representative_waypoints, robots,
 };
 use proptest::prelude::*;
@@ -94,7 +94,7 @@ proptest! {
     ) {
         let arm = arm(&robots::UR5);
         let waypoint = Waypoint { position: Point3::from(position), axis: UnitVector3::new_unchecked(axis) };
-        for cell in [Cell::part_in_hand(arm, held, other), Cell::nozzle_in_hand(arm, held, other)] {
+        for cell in [Setup::part_in_hand(arm, held, other), Setup::nozzle_in_hand(arm, held, other)] {
             let Ok(cell) = cell else { continue };
             for found in cell.configurations(&waypoint, 20) {
                 prop_assert!(all_finite(&found.joints) && arm.limits().contains(&found.joints));
@@ -104,7 +104,7 @@ proptest! {
             prop_assert!(rates.is_none_or(|rates| all_finite(&rates.first) && all_finite(&rates.second)));
         }
         let positioner = Positioner::new(&robots::IRBP_A250, &Isometry3::identity()).unwrap();
-        if let Ok(cell) = TableCell::nozzle_in_hand(arm, held, positioner, other) {
+        if let Ok(cell) = TableSetup::nozzle_in_hand(arm, held, positioner, other) {
             for found in cell.aligning(&waypoint, &position, &table).into_iter().flatten() {
                 prop_assert!(all_finite(&found) && positioner.limits().contains(&found));
             }
@@ -208,7 +208,7 @@ fn numbers_without_end_are_refused_by_name() {
     let ur5 = arm(&robots::UR5);
     let far = Isometry3::translation(1e300, 0.0, 0.0);
     let here = Isometry3::identity();
-    assert_eq!(Cell::part_in_hand(ur5, here, far), Err(CellError::Frame { frame: "base_nozzle" }));
+    assert_eq!(Setup::part_in_hand(ur5, here, far), Err(SetupError::Frame { frame: "base_nozzle" }));
     assert_eq!(calibrate_tip(&[here, far, here]), Err(CalibrationError::Pose { index: 1 }));
     let samples = ReachOptions { samples: usize::MAX, ..ReachOptions::default() };
     let refused = reachable_points(&ur5, &here, &samples, |_, _| true);

@@ -7,7 +7,7 @@ use curvlay_kinematics::nalgebra::{Isometry3, Point3, Translation3, UnitVector3,
 use curvlay_kinematics::scene::{Body, Scene, SceneError, SceneModel, Shape, Sweep};
 use curvlay_kinematics::workcell::{
     AnyWorkcell, ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, HOT_END, NOZZLE, PART, PLATE, PartCells,
-    SixAxisCell, Workcell,
+    SixAxisWorkcell, Workcell,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -21,7 +21,7 @@ const DIMS: [u32; 3] = [70, 6, 4];
 const PLATE_MM: f64 = 150.0;
 const MARGIN_MM: f64 = 2.0;
 
-fn ur3() -> SixAxisCell {
+fn ur3() -> SixAxisWorkcell {
     match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
         AnyWorkcell::Six(cell) => cell,
         AnyWorkcell::Eight(_) => panic!("eight axes"),
@@ -50,7 +50,7 @@ fn part<'a>(layers: &'a [Vec<u32>], rows: &'a [u64]) -> PartCells<'a> {
 }
 
 /// What a scene with the first layers in it is made from, by hand.
-fn model_by_hand(cell: &SixAxisCell, part: &PartCells, layers: usize) -> SceneModel {
+fn model_by_hand(cell: &SixAxisWorkcell, part: &PartCells, layers: usize) -> SceneModel {
     let mut rows = vec![0; part.rows.len()];
     for &cell in part.layers[..layers].iter().flatten() {
         let (x, row) = (cell % DIMS[0], cell / DIMS[0]);
@@ -68,14 +68,14 @@ fn model_by_hand(cell: &SixAxisCell, part: &PartCells, layers: usize) -> SceneMo
 }
 
 /// The scene.
-fn by_hand(cell: &SixAxisCell, part: &PartCells, layers: usize, clearance: f64, nozzle_touches: bool) -> Scene {
+fn by_hand(cell: &SixAxisWorkcell, part: &PartCells, layers: usize, clearance: f64, nozzle_touches: bool) -> Scene {
     let pairs = [[NOZZLE, PART], [NOZZLE, PLATE], [HOT_END, PART], [HOT_END, PLATE]];
     let allowed = if nozzle_touches { pairs.map(|pair| pair.map(str::to_owned)).to_vec() } else { vec![] };
     Scene::new(SceneModel { clearance, allowed, ..model_by_hand(cell, part, layers) }).unwrap()
 }
 
 /// The scene in which only these two bodies may not touch.
-fn of_two(cell: &SixAxisCell, part: &PartCells, layers: usize, [a, b]: [&str; 2]) -> Scene {
+fn of_two(cell: &SixAxisWorkcell, part: &PartCells, layers: usize, [a, b]: [&str; 2]) -> Scene {
     let model = model_by_hand(cell, part, layers);
     let names: Vec<String> = model.links.iter().chain(&model.bodies).map(|body| body.name.clone()).collect();
     let others = |first: &String| {
@@ -87,7 +87,7 @@ fn of_two(cell: &SixAxisCell, part: &PartCells, layers: usize, [a, b]: [&str; 2]
 }
 
 /// Postures with the nozzle near the part: some touch, some do not.
-fn postures(cell: &SixAxisCell, rng: &mut Pcg64, count: usize) -> Vec<[f64; 6]> {
+fn postures(cell: &SixAxisWorkcell, rng: &mut Pcg64, count: usize) -> Vec<[f64; 6]> {
     let mut found = vec![];
     while found.len() < count {
         let mut number = |least: f64, most: f64| least + (most - least) * rng.random::<f64>();

@@ -127,14 +127,14 @@ mod of_workcells {
     use super::*;
     use curvlay_kinematics::workcell::{
         AnyWorkcell, ArmGeometry, BodiesModel, FrameModel, GrowingError, GrowingScene, LinkMesh, LinkMeshModel,
-        PartCells, SixAxisCell, Workcell, WorkcellError, WorkcellModel,
+        PartCells, SixAxisWorkcell, Workcell, WorkcellError, WorkcellModel,
     };
 
     fn ur3() -> WorkcellModel {
         WorkcellModel::from_json(include_str!("../../../examples/cells/ur3.json").as_bytes()).unwrap()
     }
 
-    fn six(model: WorkcellModel) -> SixAxisCell {
+    fn six(model: WorkcellModel) -> SixAxisWorkcell {
         match AnyWorkcell::new(model).unwrap() {
             AnyWorkcell::Six(cell) => cell,
             AnyWorkcell::Eight(_) => panic!("eight axes"),

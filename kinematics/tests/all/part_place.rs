@@ -4,8 +4,8 @@
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Scene, SceneModel, Shape};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, ArmPart, ControllerModel, EightAxisCell, FrameModel, FreeRange, Held, LimitsModel,
-    NozzleModel, PlateModel, PositionerGeometry, PositionerPart, SixAxisCell, VERSION, Workcell, WorkcellModel,
+    AnyWorkcell, ArmGeometry, ArmPart, ControllerModel, EightAxisWorkcell, FrameModel, FreeRange, Held, LimitsModel,
+    NozzleModel, PlateModel, PositionerGeometry, PositionerPart, SixAxisWorkcell, VERSION, Workcell, WorkcellModel,
 };
 use curvlay_kinematics::{
     Assessment, BestPosture, JointLimits, PartPlace, PlaceError, PlateError, PlateOptions, Waypoint, best_place,
@@ -205,7 +205,7 @@ fn what_cannot_be_placed_is_named() {
 }
 
 /// A UR3 with the part in its hand.
-fn ur3() -> SixAxisCell {
+fn ur3() -> SixAxisWorkcell {
     let model = WorkcellModel {
         version: VERSION,
         name: "UR3".into(),
@@ -236,7 +236,7 @@ fn ur3() -> SixAxisCell {
 }
 
 /// An IRB 1200 over a table.
-fn irb1200() -> EightAxisCell {
+fn irb1200() -> EightAxisWorkcell {
     let mut model = ur3().equipment().model().clone();
     model.arm.geometry = ArmGeometry::Named("IRB1200".into());
     model.held = Held::Nozzle;

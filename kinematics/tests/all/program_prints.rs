@@ -4,13 +4,15 @@
 
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
+use curvlay_kinematics::print_program::{
+    PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
+};
 use curvlay_kinematics::program::{
-    Goal, Move, PrintKnot, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, StreamLeg,
-    StreamOptions, TargetMotion, TargetOptions, UrScriptOptions, UrScriptReader, Zone, print_pieces, print_stream,
-    print_targets, program_seconds, read_rapid, write_rapid, write_urscript,
+    Goal, Move, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, UrScriptOptions, UrScriptReader,
+    Zone, program_seconds, read_rapid, write_rapid, write_urscript,
 };
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, ControllerModel, EightAxisCell, Equipment, SixAxisCell, Workcell, WorkcellModel,
+    AnyWorkcell, ArmGeometry, ControllerModel, EightAxisWorkcell, Equipment, SixAxisWorkcell, Workcell, WorkcellModel,
 };
 use proptest::prelude::*;
 use std::cell::RefCell;
@@ -21,14 +23,14 @@ use std::rc::Rc;
 const UR3: &str = include_str!("../../../examples/cells/ur3.json");
 const IRB1200: &str = include_str!("../../../examples/cells/irb1200-table.json");
 
-fn ur3() -> SixAxisCell {
+fn ur3() -> SixAxisWorkcell {
     match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
         AnyWorkcell::Six(cell) => cell,
         AnyWorkcell::Eight(_) => panic!("eight axes"),
     }
 }
 
-fn over_table() -> EightAxisCell {
+fn over_table() -> EightAxisWorkcell {
     match AnyWorkcell::from_json(IRB1200.as_bytes()).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
         AnyWorkcell::Six(_) => panic!("six axes"),
@@ -36,8 +38,10 @@ fn over_table() -> EightAxisCell {
 }
 
 /// Joint 1 says when, joint 2 which leg.
-fn legs(durations: &[(f64, bool)]) -> Vec<StreamLeg<impl Fn(f64) -> [f64; 6] + use<>, impl Fn(f64) -> f64 + use<>>> {
-    let leg = |(k, &(duration_s, prints)): (usize, &(f64, bool))| StreamLeg {
+fn legs(
+    durations: &[(f64, bool)],
+) -> Vec<StreamSegment<impl Fn(f64) -> [f64; 6] + use<>, impl Fn(f64) -> f64 + use<>>> {
+    let leg = |(k, &(duration_s, prints)): (usize, &(f64, bool))| StreamSegment {
         duration_s,
         joints: move |time: f64| [time, k as f64, 0.0, 0.0, 0.0, 0.0],
         // It begins after a tenth of a second and then is steady.
@@ -120,7 +124,7 @@ fn a_stream_of_nothing_goes_from_end_to_end() {
 
 #[test]
 fn a_steady_speed_is_written_once_and_the_program_comes_back() {
-    let leg = StreamLeg {
+    let leg = StreamSegment {
         duration_s: 2.0,
         joints: |t: f64| [0.3 * t; 6],
         filament_mm: Some(|t: f64| 2.0 * t),
@@ -308,7 +312,7 @@ fn the_stated_time_is_that_of_the_moves() {
 }
 
 /// A path on the part of a UR3, a waypoint a millimetre at 20 mm/s: 100 mm along x, then around a corner along y.
-fn path_on_part(cell: &SixAxisCell, corner: bool) -> Vec<PrintKnot<6>> {
+fn path_on_part(cell: &SixAxisWorkcell, corner: bool) -> Vec<PrintKnot<6>> {
     let at = |k: u32| {
         let (x, y) = if corner && k > 50 { (0.0, f64::from(k - 50)) } else { (f64::from(k) - 50.0, 0.0) };
         Waypoint { position: Point3::new(x, y, 20.0), axis: Vector3::z_axis() }

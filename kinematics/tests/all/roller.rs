@@ -4,14 +4,14 @@
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::Shape;
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ClearanceLevel, GrowingOptions, GrowingScene, HOT_END, NOZZLE, PartCells, RollerModel, SixAxisCell,
-    Workcell, WorkcellModel,
+    AnyWorkcell, ClearanceLevel, GrowingOptions, GrowingScene, HOT_END, NOZZLE, PartCells, RollerModel,
+    SixAxisWorkcell, Workcell, WorkcellModel,
 };
 use proptest::prelude::*;
 
 const UR3: &str = include_str!("../../../examples/cells/ur3.json");
 
-fn cell() -> SixAxisCell {
+fn cell() -> SixAxisWorkcell {
     match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
         AnyWorkcell::Six(cell) => cell,
         AnyWorkcell::Eight(_) => panic!("it has a table"),
@@ -19,7 +19,7 @@ fn cell() -> SixAxisCell {
 }
 
 /// The points of a roller in the nozzle frame.
-fn points(cell: &SixAxisCell) -> Vec<Point3<f64>> {
+fn points(cell: &SixAxisWorkcell) -> Vec<Point3<f64>> {
     let scene = cell.equipment().scene(100.0);
     let body = scene.bodies.iter().find(|body| body.name == NOZZLE).unwrap();
     match &body.shape {
@@ -81,7 +81,7 @@ fn its_block_keeps_off_the_part() {
         frame_part: Isometry3::identity(),
         layers: &layers,
     };
-    let touching = |cell: &SixAxisCell| {
+    let touching = |cell: &SixAxisWorkcell| {
         let mut scene = GrowingScene::new(cell, &part, 120.0, &GrowingOptions::default()).unwrap();
         scene.begin(0).unwrap();
         let waypoint = curvlay_kinematics::Waypoint { position: Point3::new(0.0, 0.0, 2.0), axis: Vector3::z_axis() };

@@ -5,11 +5,11 @@
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneModel, Shape, links};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, EightAxisCell, FreeRange, LimitsModel, MountModel, PositionerGeometry, ShapeModel,
-    SixAxisCell, Workcell, WorkcellError, WorkcellModel, tool_frame,
+    AnyWorkcell, ArmGeometry, EightAxisWorkcell, FreeRange, LimitsModel, MountModel, PositionerGeometry, ShapeModel,
+    SixAxisWorkcell, Workcell, WorkcellError, WorkcellModel, tool_frame,
 };
 use curvlay_kinematics::{
-    Arm, ArmError, Cell, JointLimits, Positioner, PositionerModel, TableCell, Waypoint, nozzle_frame, robots,
+    Arm, ArmError, JointLimits, Positioner, PositionerModel, Setup, TableSetup, Waypoint, nozzle_frame, robots,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -21,14 +21,14 @@ fn model(text: &str) -> WorkcellModel {
     WorkcellModel::from_json(text.as_bytes()).unwrap()
 }
 
-fn six(model: WorkcellModel) -> SixAxisCell {
+fn six(model: WorkcellModel) -> SixAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Six(cell) => cell,
         AnyWorkcell::Eight(_) => panic!("eight axes"),
     }
 }
 
-fn eight(model: WorkcellModel) -> EightAxisCell {
+fn eight(model: WorkcellModel) -> EightAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
         AnyWorkcell::Six(_) => panic!("six axes"),
@@ -119,7 +119,7 @@ fn solutions<const N: usize, const F: usize>(
 fn the_ur3_of_the_file_is_the_one_made_by_hand() {
     let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 260.0), &-Vector3::z_axis());
     let part = Isometry3::translation(0.0, 0.0, 120.0);
-    let by_hand = Cell::part_in_hand(Arm::new(&robots::UR3).unwrap(), part, nozzle).unwrap();
+    let by_hand = Setup::part_in_hand(Arm::new(&robots::UR3).unwrap(), part, nozzle).unwrap();
     let cell = six(model(UR3));
     let mut count = 0;
     for waypoint in waypoints() {
@@ -134,7 +134,7 @@ fn the_ur3_of_the_file_is_the_one_made_by_hand() {
                 let on_part = cell.nozzle_on_part(&joints).unwrap();
                 assert_eq!(on_part, by_hand.nozzle_on_part(&joints));
                 assert_meets(&on_part, &waypoint);
-                let stance = cell.stance(&joints).unwrap();
+                let stance = cell.frames(&joints).unwrap();
                 let frames = by_hand.frames(&joints, &waypoint, angle);
                 assert_eq!((stance.nozzle, stance.carrier), (nozzle, stance.arm[6]));
                 assert!((stance.part.to_homogeneous() - frames.part.to_homogeneous()).amax() < 1e-11);
@@ -159,7 +159,7 @@ fn the_ur3_of_the_file_is_the_one_made_by_hand() {
     ];
     bodies.extend(printing((Mount::Base, nozzle), (Mount::Link(6), part)));
     let scene = cell.equipment().scene(150.0);
-    assert_eq!(scene, SceneModel { links, bodies, link_allowance: 10.0, ..SceneModel::of(*cell.cell().arm()) });
+    assert_eq!(scene, SceneModel { links, bodies, link_allowance: 10.0, ..SceneModel::of(*cell.setup().arm()) });
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
     let positioner = Positioner::new(&table, &Isometry3::translation(520.0, 0.0, -900.0)).unwrap();
     let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 150.0), &Vector3::z_axis());
     let arm = Arm::new(&robots::IRB1200).unwrap();
-    let by_hand = TableCell::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity()).unwrap();
+    let by_hand = TableSetup::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity()).unwrap();
     let cell = eight(model(IRB1200));
     let mut count = 0;
     for waypoint in waypoints() {
@@ -192,7 +192,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
                 let pose = cell.controller_pose(&joints).unwrap();
                 assert_eq!((pose.table, pose.joints), (Some(table), arm));
                 assert_eq!(cell.scene_posture(&joints), Posture { joints: arm, table });
-                let stance = cell.stance(&joints).unwrap();
+                let stance = cell.frames(&joints).unwrap();
                 assert_eq!(stance.part, at.part_frame().1);
                 count += 1;
             }
@@ -217,7 +217,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
         body("holder", Mount::Link(6), nozzle, Shape::cylinder(25.0, 60.0, 150.0)),
     ];
     bodies.extend(printing((Mount::Link(6), nozzle), (Mount::Table, Isometry3::identity())));
-    let own = SceneModel { link_allowance: 10.0, ..SceneModel::of(*cell.cell().arm()) };
+    let own = SceneModel { link_allowance: 10.0, ..SceneModel::of(*cell.setup().arm()) };
     let expected = SceneModel { links, bodies, positioner: Some(positioner), ..own };
     assert_eq!(cell.equipment().scene(150.0), expected);
 }
@@ -299,7 +299,7 @@ fn a_bent_nozzle_keeps_its_heading_over_a_table() {
     let (waypoint, mut count) = (leaning(10.0, 20.0, 30.0, [0.0, 0.0]), 0);
     for turn in [0.0, 1.0, 2.0, 3.0] {
         for (_, joints) in solutions(&cell, &waypoint, &[0.0, turn]) {
-            let x = cell.stance(&joints).unwrap().nozzle.rotation * Vector3::x();
+            let x = cell.frames(&joints).unwrap().nozzle.rotation * Vector3::x();
             let expected = Vector3::new(30f64.to_radians().cos(), 30f64.to_radians().sin(), 0.0);
             assert!((x - expected).norm() < 1e-8, "{x:?}");
             count += 1;
@@ -452,7 +452,7 @@ fn a_table_with_narrow_stops_is_no_turn() {
     let found = solutions(&cell, &waypoint, &[0.0, degrees(190.0)]);
     assert!(!found.is_empty() && found.iter().all(|(_, joints)| joints[7] > PI));
     assert!(solutions(&cell, &waypoint, &[0.0, degrees(-100.0)]).is_empty());
-    assert_eq!(cell.stance(&[0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 2.0, 0.0]), None);
+    assert_eq!(cell.frames(&[0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 2.0, 0.0]), None);
 }
 
 /// The same arm by its lengths, not by its name.

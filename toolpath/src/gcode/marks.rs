@@ -20,10 +20,9 @@ const NOTABLE_MM: f64 = 0.02;
 ///
 /// # Example
 /// ```
-/// use curvlay_toolpath::gcode::{WriteOptions, write_gcode};
+/// use curvlay_toolpath::gcode::{WriteOptions, marked_moves, write_gcode};
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::deposit::{DepositionOptions, deposit};
-/// use curvlay_toolpath::gcode::marked_moves;
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
 /// let (direction, kind) = (Vector3::z_axis(), BeadKind::Wall);

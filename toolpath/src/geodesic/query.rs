@@ -233,8 +233,7 @@ impl SurfaceDistance<'_> {
 mod tests {
     use super::super::Sources;
     use super::*;
-    use crate::mesh::SurfaceMesh;
-    use crate::mesh::next;
+    use crate::mesh::{SurfaceMesh, next};
     use nalgebra::Point3;
     use std::ops::ControlFlow;
 

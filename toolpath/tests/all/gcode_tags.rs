@@ -2,8 +2,7 @@
 
 use crate::gcode_common::*;
 use curvlay_toolpath::deposit::{DepositionOptions, deposit};
-use curvlay_toolpath::gcode::marked_moves;
-use curvlay_toolpath::gcode::*;
+use curvlay_toolpath::gcode::{marked_moves, *};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::path::BeadKind;

@@ -4,7 +4,7 @@ use super::{CheckOptions, PathPoint};
 use nalgebra::{Point3, UnitVector3};
 
 /// Millimetres of distance that a millimetre of progress costs: of two places equally near, the earlier is taken. Large
-/// values make the place lag behind on a parallel line; without it rounding picks the later leg where a path turns back.
+/// values make the place lag behind on a parallel line; without it rounding picks the later segment where a path turns back.
 const PROGRESS_PRICE: f64 = 1e-3;
 
 /// Where the nozzle is farther from the path than the window, the search looks so many windows ahead, so that a long part
@@ -55,7 +55,7 @@ impl<'a> Follower<'a> {
         let reached = if self.share >= 1.0 { self.segment + 1 } else { self.segment };
         let before = self.tip.unwrap_or(*tip);
         while self.next < self.path.len() && self.next <= reached {
-            passed(self.next, to_segment(&self.path[self.next].tip, &before, tip).0);
+            passed(self.next, to_segment(&self.path[self.next].position, &before, tip).0);
             self.next += 1;
         }
         self.tip = Some(*tip);
@@ -65,7 +65,7 @@ impl<'a> Follower<'a> {
     /// Calls `missed` with the points that were not passed, and how far each is from the last sample.
     pub fn finish(&self, mut missed: impl FnMut(usize, f64)) {
         for (point, at) in self.path.iter().enumerate().skip(self.next) {
-            missed(point, self.tip.map_or(f64::INFINITY, |tip| (tip - at.tip).norm()));
+            missed(point, self.tip.map_or(f64::INFINITY, |tip| (tip - at.position).norm()));
         }
     }
 
@@ -77,7 +77,7 @@ impl<'a> Follower<'a> {
             if segment > self.segment && ends[0].passed_s.is_some_and(|passed| passed > time) {
                 break;
             }
-            let (a, b) = (&ends[0].tip, &ends[1].tip);
+            let (a, b) = (&ends[0].position, &ends[1].position);
             let length = (b - a).norm();
             let from = if segment == self.segment { self.share } else { 0.0 };
             let (_, share) = to_segment(tip, a, b);
@@ -97,8 +97,8 @@ impl<'a> Follower<'a> {
     }
 
     fn here(&self) -> Point3<f64> {
-        let a = self.path[self.segment].tip;
-        self.path.get(self.segment + 1).map_or(a, |b| a + (b.tip - a) * self.share)
+        let a = self.path[self.segment].position;
+        self.path.get(self.segment + 1).map_or(a, |b| a + (b.position - a) * self.share)
     }
 
     fn axis(&self) -> UnitVector3<f64> {

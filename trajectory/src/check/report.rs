@@ -1,6 +1,7 @@
 //! What the checker reports.
 
-use super::{CheckOptions, MotionKind};
+use super::data::MotionKind;
+use super::options::CheckOptions;
 use crate::spline::Quantity;
 use std::collections::BTreeSet;
 use std::fmt;

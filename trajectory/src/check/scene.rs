@@ -1,4 +1,4 @@
-//! What the checker asks of the cell and the part.
+//! What the checker asks of the workcell and the part.
 
 use nalgebra::{Isometry3, Point3, UnitVector3};
 
@@ -27,7 +27,7 @@ pub struct Contact {
     pub what: String,
 }
 
-/// The cell and the part as they are, for a checker: kinematics, contact, sweeps.
+/// The workcell and the part as they are, for a checker: kinematics, contact, sweeps.
 ///
 /// [`PrintSceneFn`] makes one of closures. Answers must depend on the arguments alone, or reports are not reproducible.
 pub trait PrintScene<const N: usize>: Sync {

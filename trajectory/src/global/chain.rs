@@ -6,7 +6,7 @@
 //! out, and of the pairs before a pair only those are looked at whose speed is near enough: a bend has its price.
 
 use crate::Bounds;
-use std::f64::consts::TAU;
+use crate::angle::short_way;
 
 /// The tool turns no faster than this, in radians a second: half a turn takes one. Joints are often faster, but who turns
 /// faster has no smooth way in mind, and pairs of samples grow with it.
@@ -204,10 +204,6 @@ pub(super) fn best_chain<const N: usize, const F: usize>(
     chain.push(nodes.first()?.first()?.free);
     chain.reverse();
     Some(chain)
-}
-
-fn short_way(by: f64) -> f64 {
-    by - TAU * (by / TAU).round()
 }
 
 #[cfg(test)]

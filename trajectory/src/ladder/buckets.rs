@@ -5,8 +5,8 @@
 //! first, and leaves a cell where even the cheapest node left could no longer win. It begins with a guess, which most often
 //! is next to the answer. Cells and guesses only sort: the answer is that of trying every node.
 
-use super::Norm;
 use super::nodes::Kind;
+use super::options::Norm;
 use std::f64::consts::{PI, TAU};
 
 /// Cells along one joint are at most this many; more cost time to lay out and separate nothing.

@@ -15,9 +15,11 @@
 //! image next to it alone, so that they keep between the stops at no cost. A path that was found with a few samples at
 //! every waypoint is refined in the same way, by bands about it.
 
-use super::Plan;
-use super::nodes::{Kind, Window, nearest, wrapped};
+use super::nodes::{Kind, Window, nearest};
+use super::paths::Plan;
 use super::search::{Path, Stuck, Windows};
+use crate::angle::nearest_image;
+use crate::angle::wrapped;
 use crate::bounds::ON_STOP;
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, LadderOptions};
@@ -93,7 +95,7 @@ impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
     fn image(&self, waypoint: usize, mut joints: [f64; N]) -> Option<[f64; N]> {
         for j in (0..N).filter(|&j| self.kinds[j] == Kind::AsGiven) {
             let (lower, upper) = (self.bounds.lower[j], self.bounds.upper[j]);
-            joints[j] += TAU * ((self.guide.joints[waypoint][j] - joints[j]) / TAU).round();
+            joints[j] = nearest_image(joints[j], self.guide.joints[waypoint][j]);
             if !(lower - ON_STOP..=upper + ON_STOP).contains(&joints[j]) {
                 return None;
             }

@@ -1,6 +1,7 @@
 //! The nodes of one waypoint: sampled free parameters, the solutions there, and their images.
 
 use crate::Bounds;
+use crate::angle::wrapped;
 use crate::bounds::images;
 use crate::robot::{FreeRange, Robot};
 use std::f64::consts::{PI, TAU};
@@ -50,15 +51,6 @@ impl Kind {
         // A cap for stops that are absurdly far apart; `TooLarge` will say so.
         images(lower, upper, angle).map(|(least, more)| (least, more.min(MAX_IMAGES) as u32))
     }
-}
-
-/// The image in `(-pi, pi]`.
-pub(super) fn wrapped(angle: f64) -> f64 {
-    if angle > -PI && angle <= PI {
-        return angle;
-    }
-    let near = angle - TAU * (angle / TAU).round();
-    if near <= -PI { near + TAU } else { near }
 }
 
 /// Calls `each` with every combination of images of `joints`, the first joint changing fastest, until it says false.

@@ -1,25 +1,15 @@
 //! The rows of Eq. 4.12 that keep a window clear of collisions: `Gamma(q) < 0` at its waypoints.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.2. In each quadratic program a row
-//! `Gamma(q) + grad Gamma . dq <= -clear`; a step counts only as far as the indicator itself says the same.
+//! `Gamma(q) + grad Gamma . dq <= -clear`; a step is accepted only if the indicator itself confirms it.
 
-use super::program::Row;
-use super::{FilterError, FilterOptions, Filtered, filter};
-use crate::indicator::CollisionIndicator;
+use super::clearances::ClearOf;
+use super::error::FilterError;
+use super::filter::filter;
+use super::options::{FilterOptions, Filtered};
 use crate::ladder::LadderNode;
-use crate::robot::{Posture, Robot};
-use crate::vectors::dot;
-use crate::{Bounds, Progress};
-use std::ops::ControlFlow;
-
-/// What the local filter keeps clear of.
-#[derive(Clone, Copy)]
-pub struct ClearOf<'a, const N: usize> {
-    /// Predicts collisions.
-    pub indicator: &'a dyn CollisionIndicator<N>,
-    /// How far below zero the value shall be, in the unit of the indicator.
-    pub clear: f64,
-}
+use crate::robot::Robot;
+use crate::{Bounds, ProgressFn};
 
 /// Algorithm 6 with all rows of Eq. 4.12: as [`filter_locally`](super::filter_locally), but where the indicator is below
 /// `-clear` it stays there, and where it is above it does not rise.
@@ -65,47 +55,10 @@ pub fn filter_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     bounds: &Bounds<N>,
     clear: &ClearOf<'_, N>,
     options: &FilterOptions<N>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Filtered<N, F>, FilterError> {
     if !clear.clear.is_finite() {
         return Err(FilterError::Clear(clear.clear));
     }
     filter(robot, times, start, (bounds, Some(*clear)), options, progress)
-}
-
-/// What the indicator may say at each waypoint of a window: `-clear`, or what it says at the start if that is above.
-pub(super) struct Clearances<'a, const N: usize> {
-    indicator: &'a dyn CollisionIndicator<N>,
-    most: Vec<f64>,
-}
-
-impl<'a, const N: usize> Clearances<'a, N> {
-    pub fn of<const F: usize>(clear: ClearOf<'a, N>, postures: &[Posture<N, F>]) -> Self {
-        let most = |posture: &Posture<N, F>| (-clear.clear).max(value(clear.indicator, posture));
-        Clearances { indicator: clear.indicator, most: postures.iter().map(most).collect() }
-    }
-
-    /// A row for each waypoint that has an answer with a slope; the unknowns are the free parameters of the postures.
-    pub fn rows<const F: usize>(&self, postures: &[Posture<N, F>]) -> Vec<Row> {
-        let row = |(at, (posture, most)): (usize, (&Posture<N, F>, &f64))| {
-            let (value, gradient) = self.indicator.gradient(&posture.joints);
-            let slopes: [f64; F] = std::array::from_fn(|f| dot(&gradient, &posture.rates[f]));
-            let finite = most.is_finite() && value.is_finite() && slopes.iter().all(|slope| slope.is_finite());
-            let coefficients = slopes.iter().enumerate().map(|(f, &slope)| (at * F + f, slope)).collect();
-            // A program without this row is still solved, and `hold` decides on what it says.
-            finite.then_some(Row { coefficients, most: most - value })
-        };
-        postures.iter().zip(&self.most).enumerate().filter_map(row).collect()
-    }
-
-    /// Whether no waypoint says more than it may.
-    pub fn hold<const F: usize>(&self, postures: &[Posture<N, F>]) -> bool {
-        postures.iter().zip(&self.most).all(|(posture, &most)| value(self.indicator, posture) <= most)
-    }
-}
-
-/// The value at a posture; infinite where there is no answer, so that no step leads there.
-fn value<const N: usize, const F: usize>(indicator: &dyn CollisionIndicator<N>, posture: &Posture<N, F>) -> f64 {
-    let value = indicator.value(&posture.joints);
-    if value.is_nan() { f64::INFINITY } else { value }
 }

@@ -4,12 +4,12 @@
 //! `q` follows from them in closed form on its branch, so that the equation holds at every step. A step's quadratic
 //! program is the same in both: the joints that meet a linearised `x = f(q)` are those on the tangents `dq/dtheta`.
 
-use super::clear::{ClearOf, Clearances};
+use super::clearances::{ClearOf, Clearances};
 use super::program::{Row, least};
 use crate::Bounds;
+use crate::angle::nearest_image;
 use crate::robot::{FreeRange, Posture, Robot};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Free parameters move at most this far in a step, in radians: tangents of an arm say little beyond.
@@ -90,7 +90,7 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R
     fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32, before: &[f64; N]) -> Option<Posture<N, F>> {
         let mut posture = self.robot.posture(waypoint, free, branch)?;
         for (joint, near) in posture.joints.iter_mut().zip(before) {
-            *joint += TAU * ((near - *joint) / TAU).round();
+            *joint = nearest_image(*joint, *near);
         }
         let numbers = posture.joints.iter().chain(posture.rates.iter().flatten());
         numbers.copied().all(f64::is_finite).then_some(posture)

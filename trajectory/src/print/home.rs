@@ -4,63 +4,17 @@
 //! goes to a place above its first run and comes down to it; behind its last run the nozzle lifts off and goes home. Both ways are
 //! transfers ([`crate::transfer`]) with the layer of the run there, as the independent check has it.
 
-use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
-use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions};
-use super::plan::{Fault, FaultKind, PrintPlan, Run, Travel, sampled, seconds};
+use super::plan::{Arrival, Departure, Fault, FaultKind, PrintPlan, Run, Travel};
 use super::postures::samples_of;
+use super::run_plan::Task;
 use super::travel::{arrive, depart, has_way, lifted};
-use crate::Progress;
-use crate::spline::Trajectory;
-use crate::transfer::Transfer;
+use super::workcell::{Moment, PrintRobot, PrintWorkcell, Waypoint};
 use crate::vectors::square;
+use crate::{Progress, ProgressFn};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::{ControlFlow, Range};
-
-/// From home to a run.
-#[derive(Clone, Debug)]
-pub struct Arrival<const N: usize> {
-    /// From home to above the start of the run.
-    pub way: Transfer<N>,
-    /// Down to it.
-    pub approach: Trajectory<N>,
-}
-
-/// From a run home.
-#[derive(Clone, Debug)]
-pub struct Departure<const N: usize> {
-    /// Off the end of the run.
-    pub lift: Trajectory<N>,
-    /// Home.
-    pub way: Transfer<N>,
-}
-
-impl<const N: usize> Arrival<N> {
-    /// In seconds.
-    pub fn duration(&self) -> f64 {
-        self.way.duration() + seconds(&self.approach)
-    }
-
-    /// Postures by which it is followed in straight motions of the joints: the corners of the way, home first, and `count` along
-    /// the approach at even times, the last at its end.
-    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
-        self.way.corners().iter().copied().chain(sampled(&self.approach, count)).collect()
-    }
-}
-
-impl<const N: usize> Departure<N> {
-    /// In seconds.
-    pub fn duration(&self) -> f64 {
-        seconds(&self.lift) + self.way.duration()
-    }
-
-    /// Postures by which it is followed in straight motions of the joints: `count` along the lift at even times, the last at its
-    /// end, and the corners of the way home.
-    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
-        sampled(&self.lift, count).into_iter().chain(self.way.corners().iter().copied()).collect()
-    }
-}
+use std::ops::Range;
 
 /// Heights of a home posture above the part, in millimetres, the one wanted most first.
 const ABOVE_MM: [f64; 6] = [100.0, 70.0, 50.0, 30.0, 15.0, 8.0];
@@ -78,10 +32,10 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// is taken that is nearest to the mean of the chain.
     ///
     /// # Arguments
-    /// * `cell`: the workcell before anything is built.
+    /// * `workcell`: the workcell before anything is built.
     ///
     /// # Errors
-    /// [`PrintError::Cell`] if the workcell refuses a layer, [`PrintError::Cancelled`].
+    /// [`PrintError::Workcell`] if the workcell refuses a layer, [`PrintError::Cancelled`].
     ///
     /// # Cost
     /// A posture check for each solution at [`PrintOptions::samples`] of the free parameters at each height that is tried, and a short
@@ -89,14 +43,14 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     pub fn home_above(
         &self,
         robot: &impl PrintRobot<N, F>,
-        mut cell: impl PrintCell<N>,
+        mut workcell: impl PrintWorkcell<N>,
         limits: &PrintLimits<N>,
         options: &PrintOptions<N, F>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<Option<[f64; N]>, PrintError> {
         for layer in self.layers.iter().map(|layer| layer.layer) {
-            let refused = |what| PrintError::Cell { layer, what };
-            cell.begin(layer).and_then(|()| cell.build(layer)).map_err(refused)?;
+            let refused = |what| PrintError::Workcell { layer, what };
+            workcell.begin(layer).and_then(|()| workcell.build(layer)).map_err(refused)?;
         }
         let stopped = || progress(Progress { stage: "find home", done: 0, total: 1 }).is_break();
         let task = Task { robot, limits, options, stopped: &stopped };
@@ -117,18 +71,18 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
                     found.push(std::array::from_fn(|j| inside.image_near(j, joints[j], near[j]).unwrap_or(joints[j])));
                 });
             }
-            found.retain(|joints| is_inside(joints) && cell.posture_free(joints));
+            found.retain(|joints| is_inside(joints) && workcell.posture_free(joints));
             found.sort_by(|a, b| square(a, near).total_cmp(&square(b, near)));
             found.dedup();
             found.truncate(NEAREST);
             found
         };
         let lifted_off = |chain: Range<usize>| {
-            let lifted = lifted(&self.runs[chain.end - 1], &task, &cell).filter(is_inside)?;
+            let lifted = lifted(&self.runs[chain.end - 1], &task, &workcell).filter(is_inside)?;
             Some((chain, lifted))
         };
         let home = self.chains().into_iter().find_map(lifted_off).map(|(chain, lifted)| {
-            let is_reached = |home: &[f64; N]| has_way(chain.end, &[lifted, *home], &task, &cell);
+            let is_reached = |home: &[f64; N]| has_way(chain.end, &[lifted, *home], &task, &workcell);
             let near = mean(&self.runs[chain.clone()]);
             let above = ABOVE_MM.iter().find_map(|&above| free_at(above, &near).into_iter().find(is_reached));
             above.unwrap_or(lifted)
@@ -169,11 +123,11 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// fault ([`FaultKind::NoTransfer`]). Without runs the plan is as it was.
     ///
     /// # Arguments
-    /// * `cell`: the workcell before anything is built.
+    /// * `workcell`: the workcell before anything is built.
     /// * `home`: the posture, which must be free with all layers there.
     ///
     /// # Errors
-    /// [`PrintError::Cell`] if the workcell refuses a layer, [`PrintError::Cancelled`].
+    /// [`PrintError::Workcell`] if the workcell refuses a layer, [`PrintError::Cancelled`].
     ///
     /// # Cost
     /// Two transfers a program.
@@ -181,12 +135,12 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     pub fn with_homes(
         &self,
         robot: &impl PrintRobot<N, F>,
-        mut cell: impl PrintCell<N>,
+        mut workcell: impl PrintWorkcell<N>,
         home: &[f64; N],
         cuts: &BTreeSet<usize>,
         limits: &PrintLimits<N>,
         options: &PrintOptions<N, F>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<Self, PrintError> {
         let total = self.runs.len() as u64;
         let mut plan = PrintPlan { runs: Vec::new(), travels: Vec::new(), homes: Vec::new(), ..self.clone() };
@@ -201,12 +155,12 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
             }
             let task = Task { robot, limits, options, stopped: &stopped };
             while let Some(layer) = layers.next_if(|layer| *layer <= run.layer) {
-                let refused = |what| PrintError::Cell { layer, what };
-                cell.begin(layer).and_then(|()| cell.build(layer)).map_err(refused)?;
+                let refused = |what| PrintError::Workcell { layer, what };
+                workcell.begin(layer).and_then(|()| workcell.build(layer)).map_err(refused)?;
             }
             let arrival = match is_open {
                 true => Ok(None),
-                false => self.arrival(number, home, &task, &cell).map(Some),
+                false => self.arrival(number, home, &task, &workcell).map(Some),
             };
             let arrival = match arrival {
                 Ok(arrival) => arrival,
@@ -221,12 +175,12 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
                 is_open = true;
                 continue;
             }
-            match depart(number, run, home, &task, &cell) {
+            match depart(number, run, home, &task, &workcell) {
                 Ok(departure) => plan.push(run, arrival, Some(departure), None),
                 Err(what) => {
                     plan.leave_out(run, what);
                     if is_open {
-                        plan.close(home, &task, &cell);
+                        plan.close(home, &task, &workcell);
                     }
                 }
             }
@@ -238,9 +192,14 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     }
 
     /// Ends the program that is open at its last run from which a way leads home; what is behind that is left out.
-    fn close<R: PrintRobot<N, F>>(&mut self, home: &[f64; N], task: &Task<'_, N, F, R>, cell: &impl PrintCell<N>) {
+    fn close<R: PrintRobot<N, F>>(
+        &mut self,
+        home: &[f64; N],
+        task: &Task<'_, N, F, R>,
+        workcell: &impl PrintWorkcell<N>,
+    ) {
         while let (Some(last), Some((arrival, _)), Some(_)) = (self.runs.pop(), self.homes.pop(), self.travels.pop()) {
-            match depart(self.runs.len(), &last, home, task, cell) {
+            match depart(self.runs.len(), &last, home, task, workcell) {
                 Ok(departure) => return self.push(&last, arrival, Some(departure), None),
                 Err(what) => self.leave_out(&last, what),
             }
@@ -255,11 +214,11 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         number: usize,
         home: &[f64; N],
         task: &Task<'_, N, F, R>,
-        cell: &impl PrintCell<N>,
+        workcell: &impl PrintWorkcell<N>,
     ) -> Result<Arrival<N>, String> {
         let run = &self.runs[number];
         let waypoint = run.passes.iter().find_map(|&(_, waypoint)| waypoint).unwrap_or(0);
-        arrive(number, home, (run, Moment::At { path: run.path, waypoint }), task, cell)
+        arrive(number, home, (run, Moment::At { path: run.path, waypoint }), task, workcell)
     }
 
     fn push(

@@ -6,7 +6,7 @@
 //! joints ([`time_path`](crate::time_path)), with as many waypoints in between as keep the nozzle on its path. Between runs the
 //! nozzle lifts off, travels ([`transfer`](crate::transfer)) and comes down.
 //!
-//! The robot is a [`PrintRobot`], the workcell with the part as it grows a [`PrintCell`]; both belong to the caller.
+//! The robot is a [`PrintRobot`], the workcell with the part as it grows a [`PrintWorkcell`]; both belong to the caller.
 //! [`plan_print`] plans all at once. [`PrintPlanner`] can be stopped and goes on where it was.
 //!
 //! Departs from the dissertation: motions begin and end at rest on the path itself; a path begins near where the one before
@@ -19,24 +19,23 @@
 //!       -> travels  (lift, transfer, approach)
 //! ```
 
-mod cell;
-mod course;
 mod home;
-mod legs;
 mod options;
 mod plan;
 mod planner;
 mod postures;
 mod run;
+mod run_plan;
+mod segments;
 mod steered;
 mod travel;
 mod ways;
+mod workcell;
 
-pub use cell::{Clearance, Moment, OnPath, OpenCell, PrintCell, PrintRobot, PrintRobotFn, Waypoint};
-pub use course::path_deviations;
-pub use home::{Arrival, Departure};
-pub use legs::{Leg, LegKind};
 pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath, TipSpeed};
-pub use plan::{Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
+pub use plan::{Arrival, Departure, Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
 pub use planner::{PrintPlanner, plan_print};
+pub use run_plan::path_deviations;
+pub use segments::{Segment, SegmentKind};
 pub use steered::Steered;
+pub use workcell::{Clearance, Moment, OnPath, OpenWorkcell, PrintRobot, PrintRobotFn, PrintWorkcell, Waypoint};

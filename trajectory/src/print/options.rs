@@ -6,7 +6,7 @@ use crate::spline::TimelineError;
 use crate::timing::TimePathError;
 use crate::{Bounds, TimePathOptions};
 
-use super::cell::Waypoint;
+use super::workcell::Waypoint;
 use std::f64::consts::PI;
 
 /// A path of a print. At least one waypoint, and one entry of each list for each.
@@ -103,7 +103,7 @@ pub struct PrintOptions<const N: usize, const F: usize> {
     pub stop_margin: f64,
     /// Rounds of the filter of least jerk at most; with 0 the postures are those of the ladder.
     pub smoothing_rounds: usize,
-    /// How far below zero the filter keeps [`PrintCell`](super::PrintCell)'s indicator, in its unit, and the price of each unit more, as
+    /// How far below zero the filter keeps [`PrintWorkcell`](super::PrintWorkcell)'s indicator, in its unit, and the price of each unit more, as
     /// [`Avoid`](crate::Avoid) has them.
     pub clear: f64,
     /// See [`PrintOptions::clear`].
@@ -209,7 +209,7 @@ pub enum PrintError {
     Bounds(#[from] BoundsError),
     /// The workcell cannot take in a layer.
     #[error("layer {layer} cannot be added to the workcell: {what}")]
-    Cell {
+    Workcell {
         /// The layer.
         layer: u32,
         /// Why.
@@ -240,7 +240,7 @@ pub enum PrintError {
         error: TimePathError,
     },
     /// The progress callback cancelled the work. [`PrintPlanner`](super::PrintPlanner) goes on where it was.
-    #[error("planning was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 

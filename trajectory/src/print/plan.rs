@@ -1,7 +1,6 @@
 //! What comes of planning: runs, travels, and what cannot be printed as it is.
 
-use super::cell::Waypoint;
-use super::home::{Arrival, Departure};
+use super::workcell::Waypoint;
 use crate::spline::Trajectory;
 use crate::transfer::Transfer;
 use std::fmt;
@@ -150,7 +149,7 @@ pub enum FaultKind {
     /// The path breaks off before the waypoint: no posture leads on from the one before.
     Break,
     /// The nozzle leaves the straight way from the waypoint to the next by more than the tolerance.
-    Astray,
+    PathDeviation,
     /// No way to the next run was found.
     NoTransfer,
 }
@@ -162,7 +161,7 @@ impl FaultKind {
             FaultKind::Unreachable => "unreachable",
             FaultKind::Blocked => "blocked",
             FaultKind::Break => "break",
-            FaultKind::Astray => "astray",
+            FaultKind::PathDeviation => "astray",
             FaultKind::NoTransfer => "no transfer",
         }
     }
@@ -261,4 +260,48 @@ pub(super) fn sampled<const N: usize>(motion: &Trajectory<N>, count: u32) -> Vec
 pub(super) fn seconds<const N: usize>(motion: &Trajectory<N>) -> f64 {
     let (first, last) = motion.span();
     last - first
+}
+
+/// From home to a run.
+#[derive(Clone, Debug)]
+pub struct Arrival<const N: usize> {
+    /// From home to above the start of the run.
+    pub way: Transfer<N>,
+    /// Down to it.
+    pub approach: Trajectory<N>,
+}
+
+/// From a run home.
+#[derive(Clone, Debug)]
+pub struct Departure<const N: usize> {
+    /// Off the end of the run.
+    pub lift: Trajectory<N>,
+    /// Home.
+    pub way: Transfer<N>,
+}
+
+impl<const N: usize> Arrival<N> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        self.way.duration() + seconds(&self.approach)
+    }
+
+    /// Postures by which it is followed in straight motions of the joints: the corners of the way, home first, and `count` along
+    /// the approach at even times, the last at its end.
+    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
+        self.way.corners().iter().copied().chain(sampled(&self.approach, count)).collect()
+    }
+}
+
+impl<const N: usize> Departure<N> {
+    /// In seconds.
+    pub fn duration(&self) -> f64 {
+        seconds(&self.lift) + self.way.duration()
+    }
+
+    /// Postures by which it is followed in straight motions of the joints: `count` along the lift at even times, the last at its
+    /// end, and the corners of the way home.
+    pub fn postures(&self, count: u32) -> Vec<[f64; N]> {
+        sampled(&self.lift, count).into_iter().chain(self.way.corners().iter().copied()).collect()
+    }
 }

@@ -1,16 +1,16 @@
 //! The whole print, layer after layer: postures one path after the other, while the layers before are smoothed side by side.
 
-use super::cell::{PrintCell, PrintRobot};
-use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath, check};
 use super::plan::{Fault, FaultKind, LayerPlan, PrintPlan, Run};
 use super::postures::{Before, Chosen, choose, prepare};
 use super::run::{Planned, smoothed};
+use super::run_plan::Task;
 use super::ways::{Found, Ways};
-use crate::Progress;
+use super::workcell::{PrintRobot, PrintWorkcell};
 use crate::parallel;
+use crate::{Progress, ProgressFn};
 use std::collections::VecDeque;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -21,7 +21,7 @@ const PATHS_A_THREAD: usize = 2;
 ///
 /// # Arguments
 /// * `robot`: its kinematics.
-/// * `cell`: the workcell before anything is built.
+/// * `workcell`: the workcell before anything is built.
 /// * `paths`: in the order in which they are printed.
 /// * `progress`: is called with the number of paths that have postures, from any thread, and may stop the work.
 ///
@@ -35,13 +35,13 @@ const PATHS_A_THREAD: usize = 2;
 ///
 /// # Cost
 /// About half a second for a minute of robot time on two cores, most of it for smoothing, timing and proofs of freedom. Memory for
-/// a few clones of the cell besides the plan. The plan is the same on any number of threads, but for
+/// a few clones of the workcell besides the plan. The plan is the same on any number of threads, but for
 /// [`PrintPlan::times`] and [`LayerPlan::times`].
 ///
 /// # Example
 /// ```
 /// use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
-/// use curvlay_trajectory::print::{OpenCell, PrintLimits, PrintOptions, PrintPath, PrintRobotFn, Waypoint, plan_print};
+/// use curvlay_trajectory::print::{OpenWorkcell, PrintLimits, PrintOptions, PrintPath, PrintRobotFn, Waypoint, plan_print};
 /// use curvlay_trajectory::{Bounds, FreeRange, Posture};
 /// use std::ops::ControlFlow;
 /// // Three linear axes, 10 mm a radian, and a tool that turns.
@@ -76,20 +76,20 @@ const PATHS_A_THREAD: usize = 2;
 ///     lever_mm: 0.0,
 /// };
 /// let go_on = |_| ControlFlow::Continue(());
-/// let plan = plan_print(&robot, OpenCell, &[path(0), path(1)], &limits, &PrintOptions::default(), &go_on)?;
+/// let plan = plan_print(&robot, OpenWorkcell, &[path(0), path(1)], &limits, &PrintOptions::default(), &go_on)?;
 /// assert_eq!((plan.runs.len(), plan.travels.len(), plan.faults.len()), (2, 1, 0));
 /// assert!(plan.printing_s > 4.0 && plan.printing_s < 4.7);
 /// # Ok::<(), curvlay_trajectory::print::PrintError>(())
 /// ```
 pub fn plan_print<const N: usize, const F: usize>(
     robot: &impl PrintRobot<N, F>,
-    cell: impl PrintCell<N>,
+    workcell: impl PrintWorkcell<N>,
     paths: &[PrintPath<'_>],
     limits: &PrintLimits<N>,
     options: &PrintOptions<N, F>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<PrintPlan<N, F>, PrintError> {
-    let mut planner = PrintPlanner::new(robot, cell, paths, limits, options)?;
+    let mut planner = PrintPlanner::new(robot, workcell, paths, limits, options)?;
     planner.run(progress)?;
     Ok(planner.into_plan())
 }
@@ -101,8 +101,8 @@ pub struct PrintPlanner<'a, const N: usize, const F: usize, R, C> {
     paths: &'a [PrintPath<'a>],
     limits: PrintLimits<N>,
     options: PrintOptions<N, F>,
-    /// As far as postures are chosen: the cell, where the arm is, and the next path.
-    cell: C,
+    /// Where the choice of postures has come to: the workcell, where the arm is, and the next path.
+    workcell: C,
     before: Option<Before<N>>,
     next: usize,
     /// Layers with postures, without motions yet.
@@ -115,25 +115,25 @@ pub struct PrintPlanner<'a, const N: usize, const F: usize, R, C> {
 struct Layer<const N: usize, const F: usize, C> {
     number: u32,
     /// As it is while the layer is printed; for transfers, as it is before.
-    cell: C,
+    workcell: C,
     chosen: Vec<Chosen<N, F>>,
 }
 
 /// What choosing the postures of some layers leads to.
 struct Ahead<const N: usize, const F: usize, C> {
-    cell: C,
+    workcell: C,
     before: Option<Before<N>>,
     layers: Vec<Layer<N, F, C>>,
 }
 
-impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> PrintPlanner<'a, N, F, R, C> {
+impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>> PrintPlanner<'a, N, F, R, C> {
     /// Nothing planned yet.
     ///
     /// # Errors
     /// [`PrintError`] names the path and the field that cannot be.
     pub fn new(
         robot: &'a R,
-        cell: C,
+        workcell: C,
         paths: &'a [PrintPath<'a>],
         limits: &PrintLimits<N>,
         options: &PrintOptions<N, F>,
@@ -141,7 +141,17 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
         check(paths, limits, options)?;
         let (limits, options) = (*limits, *options);
         let plan = PrintPlan::new();
-        Ok(PrintPlanner { robot, paths, limits, options, cell, before: None, next: 0, ready: VecDeque::new(), plan })
+        Ok(PrintPlanner {
+            robot,
+            paths,
+            limits,
+            options,
+            workcell,
+            before: None,
+            next: 0,
+            ready: VecDeque::new(),
+            plan,
+        })
     }
 
     /// What is planned so far: whole layers. Faults are sorted by path.
@@ -158,7 +168,7 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
     ///
     /// # Errors
     /// As of [`plan_print`]. After [`PrintError::Cancelled`] it can be called again.
-    pub fn run(&mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), PrintError> {
+    pub fn run(&mut self, progress: ProgressFn<'_>) -> Result<(), PrintError> {
         let cancelled = AtomicBool::new(false);
         let mut result = Ok(());
         while result.is_ok() && (self.next < self.paths.len() || !self.ready.is_empty()) {
@@ -184,7 +194,7 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
         let (planned, ahead) = parallel::join(|| self.smoothed(&task), || self.with_postures(group, &task));
         let (planned, ahead) = (planned?, ahead?);
         self.plan.times.runs += start.elapsed();
-        (self.cell, self.before, self.next) = (ahead.cell, ahead.before, end);
+        (self.workcell, self.before, self.next) = (ahead.workcell, ahead.before, end);
         self.ready.extend(ahead.layers);
         for mut planned in planned {
             let start = Instant::now();
@@ -212,21 +222,21 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
 
     /// Layer by layer, since the part grows.
     fn with_postures(&self, group: Range<usize>, task: &Task<'_, N, F, R>) -> Result<Ahead<N, F, C>, PrintError> {
-        let mut ahead = Ahead { cell: self.cell.clone(), before: self.before, layers: Vec::new() };
-        let Ahead { cell, before, layers } = &mut ahead;
+        let mut ahead = Ahead { workcell: self.workcell.clone(), before: self.before, layers: Vec::new() };
+        let Ahead { workcell, before, layers } = &mut ahead;
         let mut next = group.start;
         for paths in self.paths[group].chunk_by(|a, b| a.layer == b.layer) {
             let number = paths[0].layer;
-            let refused = |what| PrintError::Cell { layer: number, what };
-            cell.begin(number).map_err(refused)?;
+            let refused = |what| PrintError::Workcell { layer: number, what };
+            workcell.begin(number).map_err(refused)?;
             let of_layer: Vec<usize> = (next..next + paths.len()).collect();
             next += paths.len();
-            let prepared = parallel::map(&of_layer, |&path| prepare(path, &self.paths[path], task, cell))?;
+            let prepared = parallel::map(&of_layer, |&path| prepare(path, &self.paths[path], task, workcell))?;
             // One after the other, since each begins near where the one before ends.
-            let of_path = |prepared| choose(prepared, before, task, cell);
+            let of_path = |prepared| choose(prepared, before, task, workcell);
             let chosen = prepared.into_iter().map(of_path).collect::<Result<_, _>>()?;
-            layers.push(Layer { number, cell: cell.clone(), chosen });
-            cell.build(number).map_err(refused)?;
+            layers.push(Layer { number, workcell: workcell.clone(), chosen });
+            workcell.build(number).map_err(refused)?;
         }
         Ok(ahead)
     }
@@ -236,7 +246,7 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
         let layers: Vec<&Layer<N, F, C>> = self.ready.iter().collect();
         parallel::map(&layers, |layer| {
             let of_path =
-                |chosen: &Chosen<N, F>| smoothed(chosen, &self.paths[chosen.prepared.path], task, &layer.cell);
+                |chosen: &Chosen<N, F>| smoothed(chosen, &self.paths[chosen.prepared.path], task, &layer.workcell);
             parallel::map(&layer.chosen, of_path)
         })
     }
@@ -245,12 +255,12 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> P
     /// postures.
     fn travels(&self, planned: &mut Vec<Planned<N, F>>, task: &Task<'_, N, F, R>) -> Result<Vec<Found<N>>, PrintError> {
         let Some(layer) = self.ready.front() else { return Ok(Vec::new()) };
-        let mut built = layer.cell.clone();
-        built.build(layer.number).map_err(|what| PrintError::Cell { layer: layer.number, what })?;
+        let mut built = layer.workcell.clone();
+        built.build(layer.number).map_err(|what| PrintError::Workcell { layer: layer.number, what })?;
         let ways = Ways {
             paths: self.paths,
             chosen: &layer.chosen,
-            cells: [&layer.cell, &built],
+            workcells: [&layer.workcell, &built],
             before: self.plan.runs.last(),
             first: self.plan.travels.len(),
             task,

@@ -4,10 +4,10 @@
 //! there: so most transfers are short and straight. And it takes postures with clearance, where a waypoint has some, so that
 //! the smooth motion may sway and the nozzle can lift off.
 
-use super::cell::{Clearance, OnPath, PrintCell, PrintRobot, Waypoint};
-use super::course::Task;
 use super::options::{PrintError, PrintPath};
 use super::plan::{Fault, FaultKind};
+use super::run_plan::Task;
+use super::workcell::{Clearance, OnPath, PrintRobot, PrintWorkcell, Waypoint};
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, Ladder, LadderError, LadderOptions, plan_ladder};
 use std::collections::BTreeSet;
@@ -20,14 +20,14 @@ const MIN_STEP_S: f64 = 1e-3;
 /// A robot without the postures at which something touches (section 3.5.3).
 struct Guarded<'a, R, C> {
     on_path: OnPath<'a, R>,
-    cell: &'a C,
+    workcell: &'a C,
     /// How much clearance each waypoint needs.
     clearances: &'a [Clearance],
     /// The only branch, where not all are wanted.
     branch: Option<u32>,
 }
 
-impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Robot<N, F> for Guarded<'_, R, C> {
+impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>> Robot<N, F> for Guarded<'_, R, C> {
     fn waypoints(&self) -> usize {
         self.on_path.waypoints.len()
     }
@@ -39,7 +39,7 @@ impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Robot
     fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
         self.on_path.solutions(waypoint, free, &mut |branch, joints| {
             let is_wanted = self.branch.is_none_or(|wanted| wanted == branch);
-            if is_wanted && self.cell.keeps(&joints, self.clearances[waypoint]) {
+            if is_wanted && self.workcell.keeps(&joints, self.clearances[waypoint]) {
                 each(branch, joints);
             }
         });
@@ -50,7 +50,7 @@ impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Robot
     }
 }
 
-/// A path before it is planned: its waypoints, as far as they are in reach.
+/// A path before it is planned: its waypoints that are in reach.
 #[derive(Clone)]
 pub(super) struct Prepared {
     pub path: usize,
@@ -92,7 +92,7 @@ pub(super) fn prepare<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     number: usize,
     path: &PrintPath<'_>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<Prepared, PrintError> {
     let start = Instant::now();
     let (mut waypoints, mut kept, mut times) = (vec![path.waypoints[0]], vec![0], vec![path.times[0]]);
@@ -112,7 +112,7 @@ pub(super) fn prepare<const N: usize, const F: usize, R: PrintRobot<N, F>>(
         }
         let with = |samples: &[u32; F]| {
             let has = |clearances: &&Vec<Clearance>| {
-                let guarded = Guarded { on_path: on_path(), cell, clearances, branch: None };
+                let guarded = Guarded { on_path: on_path(), workcell, clearances, branch: None };
                 first_posture(&guarded, &inner, waypoint, samples).is_some()
             };
             needed.iter().find(has).map(|clearances| clearances[waypoint])
@@ -124,7 +124,7 @@ pub(super) fn prepare<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     for waypoint in (0..best.len()).filter(|&waypoint| best[waypoint].is_none()) {
         let found = first_posture(&on_path(), &inner, waypoint, &options.dense_samples);
         let kind = if found.is_some() { FaultKind::Blocked } else { FaultKind::Unreachable };
-        let what = found.and_then(|joints| cell.obstacle(&joints)).unwrap_or_default();
+        let what = found.and_then(|joints| workcell.obstacle(&joints)).unwrap_or_default();
         faults.push(Fault { layer: path.layer, path: number, kind, waypoint: kept[waypoint], what });
     }
     let mut sections = Vec::new();
@@ -161,14 +161,15 @@ fn ladder<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Section { waypoints, times, best, .. }: &Section,
     Search { enough, branch, samples: (samples, doublings), breaks, from }: Search<N, F>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<Ladder<N, F>, LadderError> {
     // Where a joint is too slow for the feed, the motion goes slower.
     let inner = Bounds { velocity: [f64::INFINITY; N], ..task.inside() };
     let clearances: Vec<Clearance> = best.iter().map(|&best| best.max(enough)).collect();
     let step = task.options.max_step;
     let options = LadderOptions { samples, doublings, step, breaks, from, ..LadderOptions::default() };
-    let guarded = Guarded { on_path: OnPath { robot: task.robot, waypoints }, cell, clearances: &clearances, branch };
+    let guarded =
+        Guarded { on_path: OnPath { robot: task.robot, waypoints }, workcell, clearances: &clearances, branch };
     plan_ladder(&guarded, times, &inner, &options, &|_| task.flow())
 }
 
@@ -178,14 +179,14 @@ pub(super) fn choose<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     mut prepared: Prepared,
     before: &mut Option<Before<N>>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Result<Chosen<N, F>, PrintError> {
     let start = Instant::now();
     let mut ladders = Vec::new();
     for section in &prepared.sections {
         let from = before.map(|before| before.joints);
         let plan = |enough, branch, samples, breaks| {
-            ladder(section, Search { enough, branch, samples, breaks, from }, task, cell)
+            ladder(section, Search { enough, branch, samples, breaks, from }, task, workcell)
         };
         let same = before.map(|before| before.branch);
         // Less clearance than the best of a waypoint is taken only where there is no path otherwise.
@@ -214,7 +215,7 @@ pub(super) fn others<'a, const N: usize, const F: usize, R: PrintRobot<N, F>>(
     Prepared { sections, .. }: &'a Prepared,
     from: Option<[f64; N]>,
     task: &'a Task<'_, N, F, R>,
-    cell: &'a impl PrintCell<N>,
+    workcell: &'a impl PrintWorkcell<N>,
 ) -> impl Iterator<Item = Vec<Ladder<N, F>>> + 'a {
     let mut branches = BTreeSet::new();
     if let Some(first) = sections.first() {
@@ -233,7 +234,7 @@ pub(super) fn others<'a, const N: usize, const F: usize, R: PrintRobot<N, F>>(
     });
     each.filter_map(move |(samples, enough, branch)| {
         let search = Search { enough, branch: Some(branch), samples, breaks: false, from };
-        sections.iter().map(|section| ladder(section, search, task, cell).ok()).collect()
+        sections.iter().map(|section| ladder(section, search, task, workcell).ok()).collect()
     })
 }
 

@@ -3,7 +3,7 @@
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 5.3.1: the head travels along the tape. Chapters 3 and 4 leave the
 //! turn about the nozzle free, which is what makes motions smooth; here it is given, but for a slack.
 
-use super::cell::{PrintRobot, Waypoint};
+use super::workcell::{PrintRobot, Waypoint};
 use crate::robot::{FreeRange, Posture};
 use nalgebra::Isometry3;
 

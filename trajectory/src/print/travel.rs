@@ -5,11 +5,10 @@
 //! lifting off gouges nothing that the end of the path did not. Only where links of the arm are in the way another
 //! direction is tried; then the nozzle is looked at on all of it.
 
-use super::cell::{Moment, PrintCell, PrintRobot, Waypoint};
-use super::course::Task;
-use super::home::{Arrival, Departure};
 use super::options::TipSpeed;
-use super::plan::{Run, Travel};
+use super::plan::{Arrival, Departure, Run, Travel};
+use super::run_plan::Task;
+use super::workcell::{Moment, PrintRobot, PrintWorkcell, Waypoint};
 use crate::transfer::{Transfer, TransferError, TransferOptions, plan_transfer};
 use crate::{Bounds, TimePathOptions, Trajectory, time_path};
 use nalgebra::Vector3;
@@ -69,11 +68,11 @@ struct Effort {
 }
 
 /// A way from the end of one run to the start of the next, or why there is none.
-pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>>(
     number: usize,
     [from, to]: [&Run<N, F>; 2],
     task: &Task<'_, N, F, R>,
-    cell: &C,
+    workcell: &C,
     search: Search,
 ) -> Result<Travel<N>, String> {
     let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
@@ -89,7 +88,7 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
             break;
         }
         let lifted = [(&from.ends[1], &start), (&to.ends[0], &goal)]
-            .map(|(end, at)| lift(task.robot, cell, moment, end, at, effort));
+            .map(|(end, at)| lift(task.robot, workcell, moment, end, at, effort));
         let [Some(up), Some(mut down)] = lifted else {
             let what = if lifted[0].is_none() { "lift off" } else { "come down" };
             why = format!("transfer {name}: the nozzle cannot {what}");
@@ -101,7 +100,7 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
         }
         tried.push((ends, effort.iterations));
         down.reverse();
-        match way(&task.limits.bounds, cell, &name, number, &ends, effort) {
+        match way(&task.limits.bounds, workcell, &name, number, &ends, effort) {
             Ok(way) => {
                 let way = unhurried(&way, highest([from, to]), task)?;
                 let [lift, approach] =
@@ -115,45 +114,45 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
 }
 
 /// A way from the home posture to the start of a run, or why there is none. `moment` is what stands when the nozzle comes down.
-pub(super) fn arrive<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+pub(super) fn arrive<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>>(
     number: usize,
     home: &[f64; N],
     (run, moment): (&Run<N, F>, Moment),
     task: &Task<'_, N, F, R>,
-    cell: &C,
+    workcell: &C,
 ) -> Result<Arrival<N>, String> {
     let name = format!("from home to path {} of layer {}", run.path, run.layer + 1);
     let start = run.trajectory.joints()[0];
-    let (way, mut down) = homeward(&name, number, (home, true), (&run.ends[0], &start, moment), task, cell)?;
+    let (way, mut down) = homeward(&name, number, (home, true), (&run.ends[0], &start, moment), task, workcell)?;
     down.reverse();
     Ok(Arrival { way, approach: timed(&down, &task.limits.bounds, &task.options.timing)? })
 }
 
 /// A way from the end of a run to the home posture, or why there is none.
-pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>>(
     number: usize,
     run: &Run<N, F>,
     home: &[f64; N],
     task: &Task<'_, N, F, R>,
-    cell: &C,
+    workcell: &C,
 ) -> Result<Departure<N>, String> {
     let name = format!("from path {} of layer {} home", run.path, run.layer + 1);
     let joints = run.trajectory.joints();
     let (end, moment) = (joints[joints.len() - 1], Moment::After { path: run.path });
-    let (way, up) = homeward(&name, number, (home, false), (&run.ends[1], &end, moment), task, cell)?;
+    let (way, up) = homeward(&name, number, (home, false), (&run.ends[1], &end, moment), task, workcell)?;
     Ok(Departure { lift: timed(&up, &task.limits.bounds, &task.options.timing)?, way })
 }
 
-/// Where the nozzle has lifted off the end of a run, as far as it can; `None` where it cannot.
+/// Where the nozzle is after the longest free lift off the end of a run; `None` where no lift is free.
 pub(super) fn lifted<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     run: &Run<N, F>,
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> Option<[f64; N]> {
     let joints = run.trajectory.joints();
     let (end, moment) = (&joints[joints.len() - 1], Moment::After { path: run.path });
     let far = EFFORTS.iter().filter(|effort| effort.far);
-    let up = far.filter_map(|effort| lift(task.robot, cell, moment, &run.ends[1], end, effort)).next()?;
+    let up = far.filter_map(|effort| lift(task.robot, workcell, moment, &run.ends[1], end, effort)).next()?;
     up.last().copied()
 }
 
@@ -162,33 +161,33 @@ pub(super) fn has_way<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     number: usize,
     ends: &[[f64; N]; 2],
     task: &Task<'_, N, F, R>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
 ) -> bool {
-    let found = |effort: &Effort| way(&task.limits.bounds, cell, "home", number, ends, effort).is_ok();
+    let found = |effort: &Effort| way(&task.limits.bounds, workcell, "home", number, ends, effort).is_ok();
     [EFFORTS[0], EFFORTS[2]].iter().any(|effort| !(task.stopped)() && found(effort))
 }
 
 /// A transfer between home and a posture above an end of a run, and the postures of the lift from that end.
-fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>>(
+fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>>(
     name: &str,
     number: usize,
     (home, comes): (&[f64; N], bool),
     (end, at, moment): (&([f64; F], Waypoint), &[f64; N], Moment),
     task: &Task<'_, N, F, R>,
-    cell: &C,
+    workcell: &C,
 ) -> Result<(Transfer<N>, Vec<[f64; N]>), String> {
     let mut why = format!("transfer {name}: the search was stopped");
     for effort in Search::Short.efforts().iter().chain(Search::Long.efforts()) {
         if (task.stopped)() {
             break;
         }
-        let Some(up) = lift(task.robot, cell, moment, end, at, effort) else {
+        let Some(up) = lift(task.robot, workcell, moment, end, at, effort) else {
             why = format!("transfer {name}: the nozzle cannot {}", if comes { "come down" } else { "lift off" });
             continue;
         };
         let above = up[up.len() - 1];
         let ends = if comes { [*home, above] } else { [above, *home] };
-        match way(&task.limits.bounds, cell, name, number, &ends, effort) {
+        match way(&task.limits.bounds, workcell, name, number, &ends, effort) {
             Ok(way) => return Ok((unhurried(&way, end.1.position.z, task)?, up)),
             Err(error) => why = error,
         }
@@ -199,7 +198,7 @@ fn homeward<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>
 /// Postures from the end of a run to a free one above it: along the nozzle, else half upright, else upright.
 fn lift<const N: usize, const F: usize>(
     robot: &impl PrintRobot<N, F>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
     moment: Moment,
     (free, waypoint): &([f64; F], Waypoint),
     end: &[f64; N],
@@ -229,10 +228,10 @@ fn lift<const N: usize, const F: usize>(
             postures.push(joints);
         }
         let is_along_nozzle = way == &axis;
-        let gouges_nothing = || !(1..=steps as u32).any(|k| cell.is_gouging(moment, &place(f64::from(k) / steps)));
-        let is_free = cell.posture_free(postures.last()?)
+        let gouges_nothing = || !(1..=steps as u32).any(|k| workcell.is_gouging(moment, &place(f64::from(k) / steps)));
+        let is_free = workcell.posture_free(postures.last()?)
             && (is_along_nozzle || gouges_nothing())
-            && postures.windows(2).all(|pair| cell.touches(&line(&pair[0], &pair[1])).is_none());
+            && postures.windows(2).all(|pair| workcell.touches(&line(&pair[0], &pair[1])).is_none());
         is_free.then_some(postures)
     };
     let first = |turn: f64| {
@@ -249,7 +248,7 @@ fn line<const N: usize>(from: &[f64; N], to: &[f64; N]) -> [[f64; N]; 4] {
 /// A transfer between two free postures.
 fn way<const N: usize>(
     bounds: &Bounds<N>,
-    cell: &impl PrintCell<N>,
+    workcell: &impl PrintWorkcell<N>,
     name: &str,
     number: usize,
     [above, before]: &[[f64; N]; 2],
@@ -258,7 +257,7 @@ fn way<const N: usize>(
     let Effort { iterations, step, .. } = *effort;
     let options =
         TransferOptions { seed: number as u64 + 1, iterations, step, shortcuts: 30, ..TransferOptions::default() };
-    let planned = plan_transfer(name, above, before, &finite(bounds), cell, &options)
+    let planned = plan_transfer(name, above, before, &finite(bounds), workcell, &options)
         .map_err(|error: TransferError| error.to_string())?;
     let why = planned.to_string();
     planned.found().ok_or(why)

@@ -4,13 +4,13 @@
 //! and the part. Then the path behind the gap gets the postures of another branch, or the one before it, if that
 //! leaves fewer gaps and no more faults; a few paths in a row do, where the next one goes on where it began.
 
-use super::cell::{PrintCell, PrintRobot};
-use super::course::Task;
 use super::options::{PrintError, PrintPath};
 use super::plan::{Run, Travel};
 use super::postures::{Chosen, others};
 use super::run::{Planned, smoothed};
+use super::run_plan::Task;
 use super::travel::{Search, travel};
+use super::workcell::{PrintRobot, PrintWorkcell};
 use crate::parallel;
 use std::time::{Duration, Instant};
 
@@ -42,7 +42,7 @@ pub(super) struct Ways<'a, const N: usize, const F: usize, R, C> {
     /// Those of the layer.
     pub chosen: &'a [Chosen<N, F>],
     /// The workcell before the layer, and with it.
-    pub cells: [&'a C; 2],
+    pub workcells: [&'a C; 2],
     /// The last run of the layers before.
     pub before: Option<&'a Run<N, F>>,
     /// Travels of the layers before: a seed.
@@ -50,7 +50,7 @@ pub(super) struct Ways<'a, const N: usize, const F: usize, R, C> {
     pub task: &'a Task<'a, N, F, R>,
 }
 
-impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Ways<'_, N, F, R, C> {
+impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>> Ways<'_, N, F, R, C> {
     /// The ways from run to run, the first of them from the layer before.
     pub fn find(&self, planned: &mut Vec<Planned<N, F>>) -> Result<Vec<Found<N>>, PrintError> {
         let count = self.runs(planned).len().saturating_sub(1);
@@ -75,10 +75,10 @@ impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Ways<
         let runs = self.runs(planned);
         parallel::map(which, |&way| {
             // The way to the layer is gone before any of it is there.
-            let [before, with] = self.cells;
-            let cell = if way == 0 && self.before.is_some() { before } else { with };
+            let [before, with] = self.workcells;
+            let workcell = if way == 0 && self.before.is_some() { before } else { with };
             let start = Instant::now();
-            let found = travel(self.first + way, [runs[way], runs[way + 1]], self.task, cell, search);
+            let found = travel(self.first + way, [runs[way], runs[way + 1]], self.task, workcell, search);
             if (self.task.stopped)() { Err(PrintError::Cancelled) } else { Ok((found, start.elapsed())) }
         })
     }
@@ -126,9 +126,9 @@ impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintCell<N>> Ways<
         let from = before.and_then(|run| self.runs(planned)[run].trajectory.joints().last().copied());
         let Chosen { prepared, .. } = &self.chosen[place];
         let mut moved = None;
-        for ladders in others(prepared, from, self.task, self.cells[0]) {
+        for ladders in others(prepared, from, self.task, self.workcells[0]) {
             let chosen = Chosen { prepared: prepared.clone(), ladders };
-            let mut path = smoothed(&chosen, &self.paths[prepared.path], self.task, self.cells[0])?;
+            let mut path = smoothed(&chosen, &self.paths[prepared.path], self.task, self.workcells[0])?;
             let old = &planned[place];
             if path.runs.len() != old.runs.len() || path.faults.len() > old.faults.len() {
                 continue;

@@ -8,12 +8,12 @@
 //! are variables of the smaller problem, along which it is concave: not a minimum is sought there but a saddle, which to
 //! the method is the same.
 
-use super::band::{Band, inner};
 use super::interior::{ACCEPTABLE_TOLERANCES, Interior};
 use super::layout::Layout;
 use super::options::QpOptions;
 use super::problem::BandedQp;
 use super::solution::{QpSolution, QpStatus};
+use crate::banded::{BlockTridiagonal, inner};
 use std::ops::Range;
 
 /// Fewer stages in a row than this stay: eliminating them would save nothing.
@@ -42,7 +42,7 @@ pub(super) struct Condensed<'a> {
     places: Vec<Place>,
     /// `K_uu`: its entries, and factored.
     inner: Vec<(usize, usize, f64)>,
-    band: Band,
+    band: BlockTridiagonal,
     segments: Vec<Segment>,
     /// `K_ut`: which unknown that stays, which one that goes.
     joining: Vec<(usize, usize, f64)>,
@@ -89,7 +89,7 @@ impl<'a> Condensed<'a> {
         small.signs = signs;
         small.constant = full.constant;
         let right = vec![0.0; band_signs.len()];
-        let band = Band::new(&band_sizes, band_signs);
+        let band = BlockTridiagonal::new(&band_sizes, band_signs);
         let (inner, joining) = (vec![], vec![]);
         let mut condensed = Condensed { full, layout, small, places, inner, band, segments, joining, right };
         condensed.sort_out();

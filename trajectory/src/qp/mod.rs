@@ -3,7 +3,6 @@
 //! [`BandedQp`] is put together by the caller and solved in time linear in the stages, as
 //! [`smooth_globally`](crate::smooth_globally) does in every round.
 
-mod band;
 mod condensed;
 mod feasible;
 mod interior;

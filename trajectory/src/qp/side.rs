@@ -3,7 +3,7 @@
 use super::problem::{BandedQp, Row};
 
 /// Least slack, relative to the bound: what is less is rounding, and would cut all later steps short.
-const ROUNDING: f64 = 3e-14;
+const MIN_SLACK: f64 = 3e-14;
 
 /// Weights of rows are cut at one over this. Heavier rows drown the others in rounding; a tenth of the weight, and what
 /// has no slack inside its bounds comes to its end too slowly.
@@ -88,7 +88,7 @@ impl Side {
 
     /// Goes this share of the step.
     pub fn go(&mut self, step: f64) {
-        self.s = (self.s + step * self.ds).max(ROUNDING * (1.0 + self.bound.abs()));
+        self.s = (self.s + step * self.ds).max(MIN_SLACK * (1.0 + self.bound.abs()));
         self.z += step * self.dz;
         if self.is_soft() {
             self.p += step * self.dp;

@@ -3,9 +3,9 @@
 //! A row with sides adds its square, times the weight of its sides, to the matrix; an equation stands in it with its
 //! multiplier. Border variables are kept out of the band as columns and taken back in by their Schur complement.
 
-use super::band::Band;
 use super::layout::Layout;
 use super::problem::BandedQp;
+use crate::banded::BlockTridiagonal;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Added to the diagonal, so that the matrix is quasi-definite. It stays in the step, which so is one of the proximal
@@ -30,7 +30,7 @@ const NONE: usize = usize::MAX;
 pub(super) struct System<'a> {
     qp: &'a BandedQp,
     layout: Layout,
-    band: Band,
+    band: BlockTridiagonal,
     /// Slots of the entries of `H`.
     slots_h: Vec<usize>,
     /// Slots of the products of terms, for each row that is no equation, one after another.
@@ -53,7 +53,7 @@ impl<'a> System<'a> {
     pub fn new(qp: &'a BandedQp, large_multipliers: bool) -> Self {
         let layout = Layout::of(qp);
         let Layout { unknown, equations, sizes, signs } = &layout;
-        let band = Band::new(sizes, signs.clone());
+        let band = BlockTridiagonal::new(sizes, signs.clone());
         let place = |variable: u32| unknown.get(variable as usize).map(|&at| at as usize);
         let slot = |a: u32, b: u32| place(a).zip(place(b)).map_or(NONE, |(a, b)| band.slot(a, b));
         let slots_h = qp.quadratic.iter().map(|&(a, b, _)| slot(a, b)).collect();

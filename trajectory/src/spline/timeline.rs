@@ -15,6 +15,7 @@
 //! may be anywhere (nothing is printed there), so waypoints keep their times, and a motion may pass the first one with
 //! any speed and acceleration as soon as there are two pieces.
 
+use crate::banded::Tridiagonal;
 use std::ops::Range;
 
 /// Pieces from rest to the first waypoint, and from the last one to rest.
@@ -103,9 +104,8 @@ pub struct Timeline {
     times: Vec<f64>,
     /// Free knots at each end.
     run: usize,
-    /// `T = L D L^T`: the entries of `L` below the diagonal (that of row `k` is `lower[k]`), and those of `D`.
-    lower: Vec<f64>,
-    diagonal: Vec<f64>,
+    /// The factors of `T`.
+    factors: Tridiagonal,
 }
 
 impl Timeline {
@@ -160,15 +160,10 @@ impl Timeline {
     }
 
     fn factored(times: Vec<f64>, run: usize) -> Self {
-        let mut line = Timeline { times, run, lower: Vec::new(), diagonal: Vec::new() };
+        let mut line = Timeline { times, run, factors: Tridiagonal::default() };
         for k in 0..line.knots() {
             let [before, diagonal, _] = line.row(k).curvatures;
-            let (lower, spent) = match line.diagonal.last() {
-                Some(last) => (before / last, before * before / last),
-                None => (0.0, 0.0),
-            };
-            line.lower.push(lower);
-            line.diagonal.push(diagonal - spent);
+            line.factors.push(before, diagonal);
         }
         line
     }
@@ -224,15 +219,7 @@ impl Timeline {
     /// If `b` has another length.
     pub fn solve(&self, b: &mut [f64]) {
         assert_eq!(b.len(), self.knots(), "one entry a knot");
-        for k in 1..b.len() {
-            b[k] -= self.lower[k] * b[k - 1];
-        }
-        let mut after = 0.0;
-        for k in (0..b.len()).rev() {
-            let next = self.lower.get(k + 1).copied().unwrap_or(0.0);
-            b[k] = b[k] / self.diagonal[k] - next * after;
-            after = b[k];
-        }
+        self.factors.solve(b);
     }
 
     /// The second derivatives `T^-1 R q` of one joint at its knots.

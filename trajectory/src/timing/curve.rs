@@ -134,7 +134,7 @@ pub(super) struct Grid<const N: usize> {
     /// At each knot.
     pub knots: Vec<Knot<N>>,
     /// From each knot to the next.
-    pub cells: Vec<Cell<N>>,
+    pub segments: Vec<Segment<N>>,
     /// The knot of each posture.
     pub postures: Vec<usize>,
 }
@@ -149,7 +149,7 @@ pub(super) struct Knot<const N: usize> {
     pub jump: [f64; N],
 }
 
-pub(super) struct Cell<const N: usize> {
+pub(super) struct Segment<const N: usize> {
     /// The piece of the path.
     pub piece: usize,
     /// In `sigma`.
@@ -163,8 +163,8 @@ pub(super) struct Cell<const N: usize> {
 
 impl<const N: usize> Grid<N> {
     /// # Arguments
-    /// * `parts`: into how many cells each piece is cut at least.
-    /// * `ramp`: cells of each window at least.
+    /// * `parts`: into how many segments each piece is cut at least.
+    /// * `ramp`: segments of each window at least.
     pub fn new(curve: &Curve<'_, N>, warp: &Warp, parts: &[usize], ramp: usize) -> Self {
         let start = curve.planned[0];
         let last = curve.postures.len() - 1;
@@ -176,7 +176,7 @@ impl<const N: usize> Grid<N> {
             })
             .collect();
         let middle = warp.middle();
-        let (mut knots, mut cells, mut postures) = (Vec::new(), Vec::new(), vec![0]);
+        let (mut knots, mut segments, mut postures) = (Vec::new(), Vec::new(), vec![0]);
         let warped = |piece: usize, sigma: f64| -> (Knot<N>, [f64; N]) {
             let [s, first, second] = warp.at(sigma);
             let along =
@@ -202,7 +202,7 @@ impl<const N: usize> Grid<N> {
                 let before = std::array::from_fn(|j| 0.5 * bend[j] - 0.5 * centre.slope[j] / step);
                 let after = std::array::from_fn(|j| 0.5 * bend[j] + 0.5 * centre.slope[j] / step);
                 let [begin, end] = [part - 1, part].map(|part| warp.at(from + part as f64 * step)[0]);
-                cells.push(Cell { piece, width: step, warp: (end - begin) / step, before, after });
+                segments.push(Segment { piece, width: step, warp: (end - begin) / step, before, after });
                 knots.push(warped(piece, if part == count { to } else { from + part as f64 * step }).0);
             }
             let knot = knots.len() - 1;
@@ -214,6 +214,6 @@ impl<const N: usize> Grid<N> {
             }
             postures.push(knot);
         }
-        Grid { knots, cells, postures }
+        Grid { knots, segments, postures }
     }
 }

@@ -31,9 +31,9 @@ const WARM: f64 = 0.02;
 /// rough path of seven joints took 0.8 % more than the program (and `NEAR` at 0.6), with 12 it took 0.1 %.
 const AROUND: usize = 12;
 
-/// How often they are, and the excess that is left to the uniform stretch.
+/// How often they are, and the excess that is left to the uniform stretch: a duration grows by at most this share for it.
 const LOCAL_STRETCHES: usize = 6;
-const ROUNDING: f64 = 1e-5;
+const MAX_EXCESS: f64 = 1e-5;
 
 /// How often the stretched spline is checked again: rounding is all that is left after the first time.
 const STRETCHES: usize = 8;
@@ -53,16 +53,16 @@ impl<const N: usize> Spline<N> {
     /// `inner` are the joints at all knots but the two at rest.
     fn new(times: Vec<f64>, inner: &[[f64; N]]) -> Result<Self, TimePathError> {
         let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
-        let cells = inner.len() + 1;
-        let mut accelerations = vec![[0.0; N]; cells + 1];
-        let (mut jerks, mut speeds) = (vec![[0.0; N]; cells], vec![[0.0; N]; cells]);
-        let mut angles = vec![0.0; cells - 1];
+        let segments = inner.len() + 1;
+        let mut accelerations = vec![[0.0; N]; segments + 1];
+        let (mut jerks, mut speeds) = (vec![[0.0; N]; segments], vec![[0.0; N]; segments]);
+        let mut angles = vec![0.0; segments - 1];
         for j in 0..N {
             angles.iter_mut().zip(inner).for_each(|(angle, knot)| *angle = knot[j]);
             let m = line.second_derivatives(&angles);
             m.iter().zip(&mut accelerations[1..]).for_each(|(&m, to)| to[j] = m);
             let mut speed = 0.0f64;
-            for k in 0..cells {
+            for k in 0..segments {
                 let (h, a, after) = (times[k + 1] - times[k], accelerations[k][j], accelerations[k + 1][j]);
                 let next = speed + 0.5 * h * (a + after);
                 let mut top = speed.abs().max(next.abs());
@@ -115,8 +115,8 @@ pub(super) fn times_of(program: &Program) -> Vec<f64> {
     let last = program.x.len() - 1;
     let mut times = vec![0.0];
     let mut time = 0.0;
-    for (cell, width) in program.widths.iter().enumerate() {
-        time += 2.0 * width / (program.x[cell.saturating_sub(1)].sqrt() + program.x[cell.min(last)].sqrt());
+    for (segment, width) in program.widths.iter().enumerate() {
+        time += 2.0 * width / (program.x[segment.saturating_sub(1)].sqrt() + program.x[segment.min(last)].sqrt());
         times.push(time);
     }
     times
@@ -132,18 +132,18 @@ fn correct<const N: usize>(
     up: f64,
 ) {
     let Program { rows, x, upper, .. } = program;
-    let cells = grid.cells.len();
-    // What the program has at the beginning and the end of each cell.
-    let mut jerks = vec![[[0.0; N]; 2]; cells];
-    let mut accelerations = vec![[0.0; N]; cells];
+    let segments = grid.segments.len();
+    // What the program has at the beginning and the end of each segment.
+    let mut jerks = vec![[[0.0; N]; 2]; segments];
+    let mut accelerations = vec![[0.0; N]; segments];
     for (row, what) in rows.iter().zip(what) {
         match *what {
             What::Flow | What::Spike => {}
-            What::Acceleration { cell, joint } => accelerations[cell][joint] = row.value(x),
-            What::Jerk { knot, cells, joint, width } => {
+            What::Acceleration { segment, joint } => accelerations[segment][joint] = row.value(x),
+            What::Jerk { knot, segments, joint, width } => {
                 let root = row.rooted().map_or(1.0, |root| x[root].sqrt());
-                for cell in cells {
-                    jerks[cell][usize::from(cell < knot)][joint] = row.value(x) * root / width;
+                for segment in segments {
+                    jerks[segment][usize::from(segment < knot)][joint] = row.value(x) * root / width;
                 }
             }
         }
@@ -157,18 +157,18 @@ fn correct<const N: usize>(
         };
         let (limit, scale) = match *what {
             What::Flow | What::Spike => continue,
-            What::Acceleration { cell, joint } => {
-                for knot in [cell, cell + 1] {
-                    let beside = [knot.max(1) - 1, knot.min(cells - 1)].map(|cell| accelerations[cell][joint]);
+            What::Acceleration { segment, joint } => {
+                for knot in [segment, segment + 1] {
+                    let beside = [knot.max(1) - 1, knot.min(segments - 1)].map(|segment| accelerations[segment][joint]);
                     look(spline.accelerations[knot][joint], beside);
                 }
                 (task.bounds.acceleration[joint], 1.0)
             }
             // The spline may pass a limit of jerk that only the program has.
             What::Jerk { joint, .. } if task.jerk[joint] < task.bounds.jerk[joint] => continue,
-            What::Jerk { cells, joint, width, .. } => {
-                for cell in cells {
-                    look(spline.jerks[cell][joint], jerks[cell].map(|end| end[joint]));
+            What::Jerk { segments, joint, width, .. } => {
+                for segment in segments {
+                    look(spline.jerks[segment][joint], jerks[segment].map(|end| end[joint]));
                 }
                 (task.bounds.jerk[joint], width)
             }
@@ -206,7 +206,7 @@ fn stretch<const N: usize>(
         if whole * this.times[last] < best.0 {
             best = (whole * this.times[last], this.times.iter().map(|time| time * whole).collect());
         }
-        if whole <= 1.0 + ROUNDING {
+        if whole <= 1.0 + MAX_EXCESS {
             break;
         }
         spline = Some(Spline::new(this.stretched(&excess), inner)?);
@@ -246,7 +246,7 @@ pub(super) fn run<const N: usize>(
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<TimedMotion<N>, TimePathError> {
     let options = task.options;
-    let mut inner: Vec<[f64; N]> = grid.knots[1..grid.cells.len()].iter().map(|knot| knot.joints).collect();
+    let mut inner: Vec<[f64; N]> = grid.knots[1..grid.segments.len()].iter().map(|knot| knot.joints).collect();
     // Duration, pace and times.
     let mut best: Option<(f64, Vec<f64>, Vec<f64>)> = None;
     let mut ideal = f64::INFINITY;
@@ -286,43 +286,63 @@ pub(super) fn run<const N: usize>(
     if (0..N).any(|j| task.jerk[j] < task.bounds.jerk[j]) {
         meet_ends(grid, &times, &mut inner)?;
     }
+    stretch_evenly(task, &inner, &mut times)?;
+    let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
+    let trajectory = Trajectory::new(&line, &inner).map_err(|_| TimePathError::Range)?;
+    if trajectory.joints().iter().flatten().any(|angle| !angle.is_finite()) {
+        return Err(TimePathError::Range);
+    }
+    Ok(TimedMotion {
+        end_deviation: end_deviation(grid, &trajectory),
+        trajectory,
+        knots: grid.postures.clone(),
+        planned: planned_times(task, warp, grid),
+        pace,
+        ideal_duration: ideal,
+        iterations,
+        residual,
+        status: if solved { TimePathStatus::Solved } else { TimePathStatus::Iterations },
+    })
+}
+
+/// Stretches all time until every limit holds. Velocities fall with the factor, accelerations with its square, jerks with its cube, so
+/// once is enough but for rounding.
+fn stretch_evenly<const N: usize>(
+    task: &Task<'_, N>,
+    inner: &[[f64; N]],
+    times: &mut [f64],
+) -> Result<(), TimePathError> {
     for _ in 0..STRETCHES {
-        let excess = Spline::new(times.clone(), &inner)?.excess(task);
+        let excess = Spline::new(times.to_vec(), inner)?.excess(task);
         let whole = excess.iter().fold(1.0f64, |most, excess| most.max(*excess));
         if whole <= 1.0 {
             break;
         }
         times.iter_mut().for_each(|time| *time *= whole * (1.0 + 1e-13));
     }
-    let cells = grid.cells.len();
-    let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
-    let trajectory = Trajectory::new(&line, &inner).map_err(|_| TimePathError::Range)?;
-    if trajectory.joints().iter().flatten().any(|angle| !angle.is_finite()) {
-        return Err(TimePathError::Range);
-    }
+    Ok(())
+}
+
+/// How far the ends of a motion are from those of the path, the joint that is farthest.
+fn end_deviation<const N: usize>(grid: &Grid<N>, trajectory: &Trajectory<N>) -> f64 {
     let mut end_deviation = 0.0f64;
-    for knot in [0, cells] {
+    for knot in [0, grid.segments.len()] {
         for j in 0..N {
             end_deviation = end_deviation.max((trajectory.joints()[knot][j] - grid.knots[knot].joints[j]).abs());
         }
     }
+    end_deviation
+}
+
+/// The planned time at each knot; at postures to the last bit.
+fn planned_times<const N: usize>(task: &Task<'_, N>, warp: &Warp, grid: &Grid<N>) -> Vec<f64> {
     let (mut sigma, mut planned) = (0.0, vec![task.planned[0]]);
-    for cell in &grid.cells {
-        sigma += cell.width;
+    for segment in &grid.segments {
+        sigma += segment.width;
         planned.push(task.planned[0] + warp.at(sigma)[0]);
     }
     for (posture, &knot) in grid.postures.iter().enumerate() {
         planned[knot] = task.planned[posture];
     }
-    Ok(TimedMotion {
-        trajectory,
-        knots: grid.postures.clone(),
-        planned,
-        pace,
-        end_deviation,
-        ideal_duration: ideal,
-        iterations,
-        residual,
-        status: if solved { TimePathStatus::Solved } else { TimePathStatus::Iterations },
-    })
+    planned
 }

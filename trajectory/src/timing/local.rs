@@ -1,7 +1,7 @@
 //! Quantities of a step that differ along the path.
 //!
-//! What limits a step at one place of a path has no influence on places some cells away: the effect of a row on the solution
-//! decays from cell to cell. With one length of step for the whole path, the place with the shortest one holds up all
+//! What limits a step at one place of a path has no influence on places some segments away: the effect of a row on the solution
+//! decays from segment to segment. With one length of step for the whole path, the place with the shortest one holds up all
 //! others, and a long path takes many more steps than each of its parts. So lengths of steps and centring parameters
 //! are fields over the unknowns that change slowly.
 

@@ -8,9 +8,9 @@
 //! never leaves the rows, and every iterate is a timing. A row has three neighbouring unknowns: the Newton matrix is
 //! pentadiagonal, and a round costs linear time.
 
-use super::factors::Factors;
 use super::local::{RADIUS, smooth_minimum, window_sums};
 use super::row::{Near, Row};
+use crate::banded::Pentadiagonal;
 
 /// How near to the boundary a step may come.
 const FRACTION: f64 = 0.98;
@@ -64,7 +64,7 @@ struct Fields {
 }
 
 pub(super) struct Program {
-    /// Widths of the cells; the first and the last join an unknown with itself.
+    /// Widths of the segments; the first and the last join an unknown with itself.
     pub widths: Vec<f64>,
     pub upper: Vec<f64>,
     pub rows: Vec<Row>,
@@ -79,15 +79,15 @@ impl Program {
         Program { widths, upper: one.clone(), rows, x: one.clone(), upper_multipliers: one, near: Vec::new() }
     }
 
-    /// The unknowns of a cell.
-    fn ends(&self, cell: usize) -> (usize, usize) {
+    /// The unknowns of a segment.
+    fn ends(&self, segment: usize) -> (usize, usize) {
         let last = self.x.len() - 1;
-        (cell.saturating_sub(1), cell.min(last))
+        (segment.saturating_sub(1), segment.min(last))
     }
 
     pub fn time(&self) -> f64 {
-        let of = |(cell, width): (usize, &f64)| {
-            let (a, b) = self.ends(cell);
+        let of = |(segment, width): (usize, &f64)| {
+            let (a, b) = self.ends(segment);
             2.0 * width / (self.x[a].sqrt() + self.x[b].sqrt())
         };
         self.widths.iter().enumerate().map(of).sum()
@@ -117,15 +117,15 @@ impl Program {
 
     /// Starts from the solution on a coarser grid.
     pub fn start_like(&mut self, coarse: &Program) {
-        let (mut cell, mut begin, mut sigma) = (0, 0.0, 0.0);
+        let (mut segment, mut begin, mut sigma) = (0, 0.0, 0.0);
         for k in 0..self.x.len() {
             sigma += self.widths[k];
-            while cell + 1 < coarse.widths.len() && begin + coarse.widths[cell] < sigma {
-                begin += coarse.widths[cell];
-                cell += 1;
+            while segment + 1 < coarse.widths.len() && begin + coarse.widths[segment] < sigma {
+                begin += coarse.widths[segment];
+                segment += 1;
             }
-            let (from, to) = coarse.ends(cell);
-            let share = ((sigma - begin) / coarse.widths[cell]).min(1.0);
+            let (from, to) = coarse.ends(segment);
+            let share = ((sigma - begin) / coarse.widths[segment]).min(1.0);
             self.x[k] = ((1.0 - share) * coarse.x[from] + share * coarse.x[to]).min(0.9 * self.upper[k]);
         }
         // A constant more leaves second differences and allows more of them.
@@ -219,7 +219,7 @@ impl Program {
     /// Iterates until the gap is below `tolerance` of the value, from unknowns within all rows.
     pub fn solve(&mut self, tolerance: f64, limit: usize, stop: &mut dyn FnMut() -> bool) -> Outcome {
         let n = self.x.len();
-        let mut factors = Factors { band: vec![[0.0; 3]; n] };
+        let mut factors = Pentadiagonal { band: vec![[0.0; 3]; n] };
         let (mut gradient, mut predicted, mut right) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut upper_step = vec![0.0; n];
         let mut fields = Fields::new(n);
@@ -342,11 +342,11 @@ impl Program {
         band.fill([0.0; 3]);
         gradient.fill(0.0);
         let mut time = 0.0;
-        for (cell, &width) in self.widths.iter().enumerate() {
-            let (i, j) = self.ends(cell);
+        for (segment, &width) in self.widths.iter().enumerate() {
+            let (i, j) = self.ends(segment);
             let (u, v) = (self.x[i].sqrt(), self.x[j].sqrt());
             if i == j {
-                // The two equal ends of an outermost cell.
+                // The two equal ends of an outermost segment.
                 time += width / u;
                 gradient[i] -= 0.5 * width / (u * self.x[i]);
                 band[i][0] += 0.75 * width / (u * self.x[i] * self.x[i]);

@@ -1,4 +1,4 @@
-//! What a planner of transfers asks of the cell.
+//! What a planner of transfers asks of the workcell.
 
 /// Which motions are free; given by the caller, best as a proof for the motion as a whole.
 ///

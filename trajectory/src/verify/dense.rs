@@ -2,11 +2,12 @@
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.3. There the nearest free posture
 //! replaces the one that collides, whatever lies beside it. Here both sides of a repaired segment have to be reached
-//! within the bounds on velocity, and the waypoints beside it turn along to make way for that, as far as
-//! [`RepairOptions::widen`] says; where no way is slow enough there is a split.
+//! within the bounds on velocity, and the waypoints beside it turn along to make way for that, up to
+//! [`RepairOptions::widen`]; where no way is slow enough there is a split.
 
 use super::Verification;
 use super::repair::{Repair, RepairError, RepairOptions, repair};
+use crate::angle::nearest_image;
 use crate::bounds::Bounds;
 use crate::robot::{FreeRange, Robot};
 use std::f64::consts::{PI, TAU};
@@ -57,7 +58,7 @@ pub fn dense_postures<const N: usize>(
 
 /// The angle whole turns away that is nearest to another within stops; not a number when none is within.
 fn image(angle: f64, near: f64, lower: f64, upper: f64) -> f64 {
-    let moved = angle + TAU * ((near - angle) / TAU).round();
+    let moved = nearest_image(angle, near);
     let turned = [moved, moved - TAU, moved + TAU].into_iter().filter(|a| (lower..=upper).contains(a));
     turned.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs())).unwrap_or(f64::NAN)
 }

@@ -33,7 +33,7 @@ fn free() -> impl PrintScene<3> {
 }
 
 fn point(x: f64, y: f64) -> PathPoint {
-    PathPoint { tip: Point3::new(x, y, 0.0), axis: Vector3::z_axis(), passed_s: None }
+    PathPoint { position: Point3::new(x, y, 0.0), axis: Vector3::z_axis(), passed_s: None }
 }
 
 /// A motion that the tests own.
@@ -64,7 +64,7 @@ fn arc() -> Owned {
     let points: Vec<PathPoint> = (0..=100).map(|k| point(20.0 * at(k).cos(), 20.0 * at(k).sin())).collect();
     let times: Vec<f64> = (0..=100).map(|k| 0.05 * f64::from(k)).collect();
     let line = Timeline::new(&times, RunIn::default()).unwrap();
-    let joints: Vec<[f64; 3]> = points.iter().map(|p| [p.tip.x, p.tip.y, 0.0]).collect();
+    let joints: Vec<[f64; 3]> = points.iter().map(|p| [p.position.x, p.position.y, 0.0]).collect();
     let trajectory = Trajectory::through(&line, &joints).unwrap();
     let begin = 10.0 - trajectory.span().0;
     let times = shifted(trajectory.times(), begin);
@@ -216,7 +216,7 @@ fn a_ur3_follows_its_waypoints() {
     let trajectory = Trajectory::through(&line, &joints).unwrap();
     agrees(&trajectory, &robot.bounds()).unwrap();
     let path: Vec<PathPoint> =
-        robot.waypoints.iter().map(|w| PathPoint { tip: w.position, axis: w.axis, passed_s: None }).collect();
+        robot.waypoints.iter().map(|w| PathPoint { position: w.position, axis: w.axis, passed_s: None }).collect();
     let motion = CheckedMotion {
         kind: MotionKind::Print,
         path: &path,
@@ -235,7 +235,7 @@ fn a_ur3_follows_its_waypoints() {
         let q = trajectory.at(STEP * 39.0 * f64::from(k) / 40_000.0).position;
         let tip = Point3::from(robot.cell.nozzle_on_part(&q).translation.vector);
         let nearest = path.windows(2).map(|ends| {
-            let (a, along) = (ends[0].tip, ends[1].tip - ends[0].tip);
+            let (a, along) = (ends[0].position, ends[1].position - ends[0].position);
             let share = ((tip - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
             (tip - (a + along * share)).norm()
         });
@@ -626,7 +626,7 @@ fn data_that_are_no_print_are_named() {
     assert_eq!(error, CheckError::PathLength { motion, kind: MotionKind::Print, points: 0 });
     let error = wrong(&|m| m.kind = MotionKind::Travel);
     assert_eq!(error, CheckError::PathLength { motion, kind: MotionKind::Travel, points: 101 });
-    assert_eq!(wrong(&|m| m.path[7].tip.y = f64::NAN), CheckError::PathPoint { motion, point: 7 });
+    assert_eq!(wrong(&|m| m.path[7].position.y = f64::NAN), CheckError::PathPoint { motion, point: 7 });
     for printing in [[0.0, 1.0], [f64::NAN, 20.0]] {
         let error = wrong(&|m| m.printing = Some(printing));
         assert!(matches!(error, CheckError::Printing { motion: 2, .. }) && error.to_string().contains("prints from"));

@@ -3,7 +3,7 @@
 use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_trajectory::print::{
-    Clearance, FaultKind, Moment, PrintCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, Waypoint,
+    Clearance, FaultKind, Moment, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintWorkcell, Waypoint,
     plan_print,
 };
 use curvlay_trajectory::transfer::FreeSpace;
@@ -102,7 +102,7 @@ impl FreeSpace<5> for Sides<'_> {
     }
 }
 
-impl PrintCell<5> for Sides<'_> {
+impl PrintWorkcell<5> for Sides<'_> {
     fn begin(&mut self, _: u32) -> Result<(), String> {
         Ok(())
     }

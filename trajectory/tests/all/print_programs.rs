@@ -2,7 +2,8 @@
 
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_trajectory::print::{
-    OpenCell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintRobotFn, Steered, Waypoint, plan_print,
+    OpenWorkcell, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintRobotFn, Steered, Waypoint,
+    plan_print,
 };
 use curvlay_trajectory::{Bounds, FreeRange, Posture};
 use std::ops::ControlFlow;
@@ -40,7 +41,7 @@ fn plan() -> PrintPlan<4, 1> {
     let filament = [1.5, 3.0].map(|speed| times.iter().map(|time| speed * time).collect::<Vec<_>>());
     let path = |k: usize| PrintPath { layer: k as u32, waypoints: &lines[k], times: &times, filament_mm: &filament[k] };
     let go_on = |_| ControlFlow::Continue(());
-    plan_print(&robot, OpenCell, &[path(0), path(1)], &limits(), &PrintOptions::default(), &go_on).unwrap()
+    plan_print(&robot, OpenWorkcell, &[path(0), path(1)], &limits(), &PrintOptions::default(), &go_on).unwrap()
 }
 
 #[test]
@@ -92,14 +93,14 @@ fn a_steered_tool_keeps_its_heading() {
     let steered = Steered { robot: &robot, heading, slack: 0.02 };
     let path = PrintPath { layer: 0, waypoints: &waypoints, times: &times, filament_mm: &[0.0; 21] };
     let go_on = |_| ControlFlow::Continue(());
-    let plan = plan_print(&steered, OpenCell, &[path], &limits(), &PrintOptions::default(), &go_on).unwrap();
+    let plan = plan_print(&steered, OpenWorkcell, &[path], &limits(), &PrintOptions::default(), &go_on).unwrap();
     assert!(plan.faults.is_empty() && plan.runs.len() == 1);
     for joints in plan.runs[0].trajectory.joints() {
         let tangent = joints[1].atan2(joints[0]) + std::f64::consts::FRAC_PI_2;
         assert!((joints[3] - tangent).abs() < 0.0201, "{joints:?}");
     }
     // Without the heading the tool would not turn at all.
-    let free = plan_print(&robot, OpenCell, &[path], &limits(), &PrintOptions::default(), &go_on).unwrap();
+    let free = plan_print(&robot, OpenWorkcell, &[path], &limits(), &PrintOptions::default(), &go_on).unwrap();
     let turns: Vec<f64> = free.runs[0].trajectory.joints().iter().map(|joints| joints[3]).collect();
     assert!(turns.iter().all(|turn| (turn - turns[0]).abs() < 1e-3), "{turns:?}");
 }

@@ -6,8 +6,8 @@
 //! cone of such rays; for a wall that makes thicknesses that it does not have.) Where parts overlap, the way ends at
 //! the first surface, also if that lies inside the union.
 
-use super::InspectError;
 use super::bvh::{Aabb, Bvh};
+use super::error::InspectError;
 use super::weld::{check, is_needle};
 use nalgebra::{Point3, Vector3};
 

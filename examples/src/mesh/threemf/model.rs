@@ -1,8 +1,7 @@
 //! One model file: its objects and its build.
 
-use super::super::{MeshFault, quoted};
+use super::super::fault::{MeshFault, package_fault, quoted};
 use super::package::absolute;
-use super::package_fault;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 use std::fmt::Display;

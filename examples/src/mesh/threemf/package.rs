@@ -1,7 +1,6 @@
 //! The package: a ZIP archive with relationships. What is unpacked is limited.
 
-use super::super::MeshFault;
-use super::package_fault;
+use super::super::fault::{MeshFault, package_fault};
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
 

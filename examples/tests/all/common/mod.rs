@@ -14,6 +14,35 @@ pub fn example(name: &str) -> Command {
     Command::new(program)
 }
 
+/// A page on formats; all of them, one after the other, for no name.
+pub fn formats(page: Option<&str>) -> String {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats");
+    let pages = match page {
+        Some(page) => vec![docs.join(page)],
+        None => fs::read_dir(&docs).unwrap().map(|file| file.unwrap().path()).collect(),
+    };
+    pages.into_iter().map(|page| fs::read_to_string(page).unwrap()).collect()
+}
+
+/// Where the keys of summaries of `curved_layers` stand: settings have the page of profiles.
+pub fn summary_keys() -> String {
+    formats(Some("summary.md")) + &formats(Some("profiles.md"))
+}
+
+/// What a page on formats says of an example: its section, up to the next one.
+pub fn format_section(page: &str, example: &str) -> String {
+    let text = formats(Some(page));
+    let (_, section) = text.split_once(&format!("\n## `{example}`\n")).unwrap();
+    section.split("\n## ").next().unwrap().to_owned()
+}
+
+/// The Rust listings of a chapter of the guide, in their order.
+pub fn listings(chapter: &str) -> Vec<String> {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/guide");
+    let page = fs::read_to_string(guide.join(chapter)).unwrap();
+    page.split("```rust\n").skip(1).map(|rest| rest.split_once("```").unwrap().0.to_owned()).collect()
+}
+
 /// Boxes as OBJ.
 pub fn boxes_as_obj(boxes: &[[[i32; 3]; 2]]) -> String {
     let mut text = String::new();

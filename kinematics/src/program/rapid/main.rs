@@ -1,10 +1,10 @@
 //! A whole RAPID module in memory: declarations and procedures.
 
 use super::data::Data;
-use super::instruction::{self, Op};
-use super::{RapidTool, RapidWorkObject};
+use super::op::Op;
+use super::{RapidTool, RapidWorkObject, instruction};
 use crate::program::ReadError;
-use crate::program::tokens::{Token, Tokens};
+use crate::program::text::tokens::{Token, Tokens};
 use std::io::BufRead;
 
 /// What stands in a main module.
@@ -132,7 +132,7 @@ pub(super) fn next_procedure(tokens: &mut Tokens<impl BufRead>, data: &mut Data)
     }
 }
 
-/// `ENDMODULE` and nothing more.
+/// `ENDMODULE`, then the end of the file.
 pub(super) fn end(tokens: &mut Tokens<impl BufRead>) -> Result<(), ReadError> {
     tokens.expect_word("ENDMODULE")?;
     match tokens.next()? {

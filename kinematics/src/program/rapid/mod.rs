@@ -5,6 +5,7 @@
 mod data;
 mod instruction;
 mod main;
+mod op;
 mod options;
 mod part;
 mod program;

@@ -1,11 +1,11 @@
 //! A RAPID module with one procedure, read step by step.
 
-use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
-use super::instruction::{self, Op};
 use super::main::{end, head, next_procedure};
-use crate::program::tokens::Tokens;
-use crate::program::{ReadError, Step, until_error};
+use super::op::Op;
+use super::{RapidAcceleration, instruction};
+use crate::program::text::tokens::Tokens;
+use crate::program::{ReadError, Step, step::until_error};
 use std::io::BufRead;
 
 /// The steps of a module with one procedure, one after the other, in memory that its declarations need. Ends after the

@@ -2,9 +2,10 @@
 
 use super::RapidAcceleration;
 use super::data::{Data, ReadWarning};
-use super::instruction::Op;
 use super::main::{Module, Procedure, RapidMain};
+use super::op::Op;
 use super::part::RapidPart;
+use crate::program::step::until_error;
 use crate::program::{ReadError, Step};
 use std::io::{self, BufRead};
 
@@ -227,7 +228,7 @@ impl<R: BufRead, F: FnMut(&str) -> io::Result<R>> Iterator for RapidProgram<R, F
 
     fn next(&mut self) -> Option<Self::Item> {
         let mut over = self.over;
-        let next = crate::program::until_error(&mut over, || self.step());
+        let next = until_error(&mut over, || self.step());
         self.over = over;
         next
     }

@@ -2,10 +2,9 @@
 //!
 //! A module declares its triggers as `triggdata` and sets each up before its first use; that of the filament anew for each speed, since `TriggL` takes
 //! a copy with it: `triggdata` of a procedure may end before the tool is there. `TriggSpeed`, which multiplies the tip's actual speed, is not
-//! used: it knows analog outputs only, and has no filament for a tool that turns on the spot. `docs/decisions/servo.md` has what is not tried.
+//! used: it knows analog outputs only, and has no filament for a tool that turns on the spot. The repository's `docs/decisions/23-robot-programs.md` lists what is not tried.
 
-use super::write::write_filament_value;
-use super::{FilamentOutput, LAG, RapidOptions, RapidSwitching, TRIGGERS};
+use super::{FILAMENT, FilamentOutput, LAG, RapidOptions, RapidSwitching, TRIGGERS};
 use crate::program::Step;
 use crate::program::text::Text;
 
@@ -90,4 +89,11 @@ impl Triggers {
 fn number(signal: &Step) -> Option<usize> {
     let off = usize::from(place(signal)? == Place::End);
     Some(if matches!(signal, Step::Extruder(_)) { off } else { 2 + off })
+}
+
+pub(super) fn write_filament_value(text: &mut Text, mm_s: f64, options: &RapidOptions) {
+    match options.filament_output {
+        FilamentOutput::Analog => text.fixed(mm_s, FILAMENT),
+        FilamentOutput::Group { step_mm_s, .. } => text.fixed((mm_s / step_mm_s).round(), 0),
+    };
 }

@@ -1,13 +1,12 @@
 //! RAPID, written.
 
 use super::options::check_options;
-use super::trigger::{Place, Triggers, Waiting, place};
+use super::trigger::{Place, Triggers, Waiting, place, write_filament_value};
 use super::{
-    ACCELERATION, DEGREES, FILAMENT, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION,
-    RapidAcceleration, RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
+    ACCELERATION, DEGREES, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidAcceleration,
+    RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
-use crate::program::check::Checker;
-use crate::program::seconds::Clock;
+use crate::program::check::{Checker, Clock};
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadInput, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,
@@ -79,7 +78,7 @@ pub fn write_rapid<W: Write>(
     let mut used = Used::default();
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
-    // By the digital output; by the speed of the filament where there is none.
+    // Switched by the digital output, or by the speed of the filament in a program without one.
     let (mut on, mut fed, mut head) = (None, false, [false; HeadSignal::ALL.len()]);
     let on_path = options.switching != RapidSwitching::Between;
     // What waits for the line behind it.
@@ -286,13 +285,6 @@ fn write_switch(text: &mut Text, signal: &Step, options: &RapidOptions) {
     }
 }
 
-pub(super) fn write_filament_value(text: &mut Text, mm_s: f64, options: &RapidOptions) {
-    match options.filament_output {
-        FilamentOutput::Analog => text.fixed(mm_s, FILAMENT),
-        FilamentOutput::Group { step_mm_s, .. } => text.fixed((mm_s / step_mm_s).round(), 0),
-    };
-}
-
 /// A move, with the signals on its path; only lines have any.
 fn write_move(text: &mut Text, to: &Move, signals: &[Step], end: &str) {
     match &to.goal {
@@ -300,7 +292,7 @@ fn write_move(text: &mut Text, to: &Move, signals: &[Step], end: &str) {
             let word = if signals.is_empty() { "    MoveL " } else { "    TriggL " };
             write_target(text.word(word), target, to.table);
         }
-        Goal::Swing(target) => write_target(text.word("    MoveJ "), target, to.table),
+        Goal::JointMove(target) => write_target(text.word("    MoveJ "), target, to.table),
         Goal::Joints(joints) => {
             text.word("    MoveAbsJ [").list(&joints.map(f64::to_degrees), DEGREES);
             write_table(text, to.table);

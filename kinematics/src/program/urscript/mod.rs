@@ -10,8 +10,6 @@ pub use write::{UrScriptWritten, write_urscript};
 
 use super::{HeadInput, HeadSignal, Payload, ProgramLimits};
 use crate::arm::Arm;
-use crate::scene::Mount;
-use crate::workcell::{Equipment, tool_frame};
 use nalgebra::Isometry3;
 
 /// How straight lines are driven.
@@ -120,25 +118,6 @@ impl Default for UrScriptOptions {
             filament_output: 0,
             filament_full_scale_mm_s: FILAMENT_FULL_SCALE_MM_S,
             limits: ProgramLimits::universal_robots(),
-        }
-    }
-}
-
-impl UrScriptOptions {
-    /// The nozzle as tool and the part frame as work object of a workcell, with its arm and within the limits of that; `servoj` as its
-    /// controller is set.
-    pub fn of_workcell(equipment: &Equipment) -> Self {
-        let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
-        let (defaults, controller) = (UrScriptOptions::default(), &equipment.model().controller);
-        UrScriptOptions {
-            part_in_hand: matches!(carrier, Mount::Link(_)),
-            work,
-            tool: tool_frame(&nozzle),
-            arm: Some(*equipment.arm()),
-            limits: ProgramLimits::of_arm(equipment.arm()),
-            lookahead_s: controller.servoj_lookahead_s.unwrap_or(defaults.lookahead_s),
-            gain: controller.servoj_gain.unwrap_or(defaults.gain),
-            ..defaults
         }
     }
 }

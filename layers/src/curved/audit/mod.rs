@@ -275,7 +275,8 @@ pub enum AuditError {
 /// ```
 /// use curvlay_layers::cells::{Cells, LayerOrder};
 /// use curvlay_layers::curved::{Fault, Platform, Rules, audit};
-/// /// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
+/// use std::ops::ControlFlow;
+/// let cells = Cells::new([1, 1, 3], &[1, 1, 1])?; // a column of three cells
 /// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
 /// let mut order = LayerOrder::new();
 /// order.push([0]);

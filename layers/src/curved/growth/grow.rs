@@ -29,7 +29,8 @@ use crate::{Progress, ProgressFn};
 /// ```
 /// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::curved::{GrowthOptions, Platform, Rules, grow};
-/// /// // An upright T, one cell thick: a stem of four cells below a bar of five.
+/// use std::ops::ControlFlow;
+/// // An upright T, one cell thick: a stem of four cells below a bar of five.
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
 /// let cells = Cells::new([5, 1, 5], &rows)?;
 /// let platform = Platform::under(&cells, 10.0)?;

@@ -24,7 +24,7 @@ use super::{Growth, GrowthError, GrowthStatistics, Prevention};
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::standing;
+use crate::curved::buildable::supported::supported_by_platform;
 use crate::{Progress, ProgressFn};
 use std::collections::BTreeSet;
 
@@ -47,7 +47,8 @@ use std::collections::BTreeSet;
 /// ```
 /// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::curved::{Platform, Prevention, Rules, grow_as_printed, peel};
-/// /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
+/// use std::ops::ControlFlow;
+/// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
 /// let cells = Cells::new([5, 1, 5], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 10.0)?, Rules::default());
 /// let go = |_| ControlFlow::Continue(());
@@ -68,7 +69,7 @@ pub fn grow_as_printed(
     if matches!(prevention, Prevention::FewerThanAll | Prevention::FewerThan(_)) {
         return Err(GrowthError::NotPrinted);
     }
-    let first = standing(cells, platform, rules)?;
+    let first = supported_by_platform(cells, platform, rules)?;
     if first.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }

@@ -78,7 +78,8 @@ pub struct JudgedPose {
 /// ```
 /// use curvlay_layers::curved::orient::{OrientOptions, PoseCells, judge_poses, poses};
 /// use curvlay_layers::nalgebra::Point3;
-/// /// // A block of 2 x 1 x 4 mm; whoever has a mesh with more to it uses a library to voxelise it.
+/// use std::ops::ControlFlow;
+/// // A block of 2 x 1 x 4 mm; whoever has a mesh with more to it uses a library to voxelise it.
 /// let corner = |k: u32| Point3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { [2.0, 1.0, 4.0][axis] } else { 0.0 }));
 /// let vertices: Vec<_> = (0..8).map(corner).collect();
 /// let triangles = [

@@ -104,7 +104,8 @@ const SHIFTS: [f64; 3] = [0.414_213_562, 0.618_033_988, 0.732_050_807];
 /// use curvlay_layers::nalgebra::{Point3, Vector3};
 /// use curvlay_layers::planar::Solid;
 /// use curvlay_layers::planar::robofdm::{AuditOptions, AuditedPart, audit_parts};
-/// /// let points: Vec<_> = (0..8).map(|i| Point3::new(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1) * 4.0, f64::from(i >> 2) * 40.0)).collect();
+/// use std::ops::ControlFlow;
+/// let points: Vec<_> = (0..8).map(|i| Point3::new(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1) * 4.0, f64::from(i >> 2) * 40.0)).collect();
 /// let faces = [
 ///     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
 ///     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],

@@ -4,8 +4,8 @@ use super::balls::BallTree;
 use super::closest::{Drum, drum_field, segment_drum, segment_field, segments};
 use super::grid::DistanceGrid;
 use super::model::GeometricModel;
+use super::near::{MAX_BODIES, Near};
 use super::shapes::{Ball, Plane};
-use super::{MAX_BODIES, Near};
 use nalgebra::{IsometryMatrix3, Point3, Vector3};
 
 /// Frames of the bodies in the world.

@@ -1,7 +1,7 @@
-//! What an indicator compares with what, and which models are none.
+//! What an indicator compares with what, and which models are invalid.
 
-use super::MAX_BODIES;
 use super::grid::DistanceGrid;
+use super::near::MAX_BODIES;
 use super::shapes::{Ball, Capsule, Cylinder, Plane};
 use nalgebra::Point3;
 

@@ -4,8 +4,8 @@
 //! after the last waypoint joints stand still, in steps as long as the outermost.
 
 use super::program::Rows;
+use crate::angle::nearest_image;
 use crate::{Bounds, FreeRange, LadderNode, Robot};
-use std::f64::consts::TAU;
 
 /// Rates of the joints below this count as this: parameters that hardly move the joints take no giant steps.
 const MIN_RATE: f64 = 1e-2;
@@ -59,7 +59,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         let Some(posture) = robot.posture(waypoint, &self.free[waypoint], branch) else { return false };
         let mut joints = posture.joints;
         for (joint, like) in joints.iter_mut().zip(like) {
-            *joint += TAU * ((like - *joint) / TAU).round();
+            *joint = nearest_image(*joint, *like);
         }
         if !joints.iter().chain(posture.rates.iter().flatten()).all(|value| value.is_finite()) {
             return false;

@@ -5,7 +5,7 @@
 //! S. Mehrotra, "On the implementation of a primal-dual interior point method", SIAM J. Optim. 2(4), 1992. Slacks are
 //! variables, so the start need not hold the rows.
 
-use super::band::Band;
+use crate::banded::Cholesky;
 
 /// How near to the boundary a step may come.
 const FRACTION: f64 = 0.95;
@@ -146,7 +146,7 @@ impl Program<'_> {
     /// The unknowns, to a gap of `tolerance` or after so many iterations.
     pub fn solve(&self, tolerance: f64, iterations: usize) -> Vec<f64> {
         let n = self.linear.len();
-        let mut band = Band::new(n, self.width);
+        let mut band = Cholesky::new(n, self.width);
         let mut x = vec![0.0; n];
         let count = 2.0 * (self.rows.rows.len() + n) as f64;
         let product = START * self.scale / count;
@@ -187,7 +187,7 @@ impl Program<'_> {
         x
     }
 
-    fn assemble(&self, band: &mut Band, rows: &[[Side; 2]], bounds: &[[Side; 2]]) {
+    fn assemble(&self, band: &mut Cholesky, rows: &[[Side; 2]], bounds: &[[Side; 2]]) {
         band.clear();
         for (k, ([above, below], damping)) in bounds.iter().zip(self.damping).enumerate() {
             band.add(k, &[1.0], damping + above.weight() + below.weight());
@@ -200,7 +200,7 @@ impl Program<'_> {
     /// The step of the unknowns and of all sides.
     fn direction(
         &self,
-        band: &Band,
+        band: &Cholesky,
         x: &[f64],
         rows: &mut [[Side; 2]],
         bounds: &mut [[Side; 2]],

@@ -1,7 +1,7 @@
 //! Cells with three free parameters: a UR3 whose tool may tilt, and an arm of six axes over a table of two.
 
 use super::ur3::Ur3;
-use curvlay_kinematics::{Arm, Branch, Positioner, TableCell, Waypoint, nozzle_frame, robots};
+use curvlay_kinematics::{Arm, Branch, Positioner, TableSetup, Waypoint, nozzle_frame, robots};
 use curvlay_trajectory::nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_trajectory::{Bounds, FreeRange, LadderNode, Posture, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -102,7 +102,7 @@ impl Robot<6, 3> for Tilting {
 
 /// An IRB 1200 with the nozzle, over a table that tilts and turns: the tool angle and both table joints are free.
 pub struct Table {
-    cell: TableCell,
+    cell: TableSetup,
     waypoints: Vec<Waypoint>,
     fixed: bool,
 }
@@ -112,7 +112,7 @@ impl Table {
         let positioner = Positioner::new(&robots::IRBP_A250, &Isometry3::translation(520.0, 0.0, -900.0)).unwrap();
         let nozzle = nozzle_frame(&Point3::new(0.0, 0.0, 150.0), &Vector3::z_axis());
         let arm = Arm::new(&robots::IRB1200).unwrap();
-        let cell = TableCell::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity()).unwrap();
+        let cell = TableSetup::nozzle_in_hand(arm, nozzle, positioner, Isometry3::identity()).unwrap();
         Table { cell, waypoints: waypoints.to_vec(), fixed: false }
     }
 

@@ -1,6 +1,6 @@
 //! A UR3 that holds the part under a nozzle, and paths for it.
 
-use curvlay_kinematics::{Arm, Branch, Cell, JointLimits, Waypoint, nozzle_frame, robots};
+use curvlay_kinematics::{Arm, Branch, JointLimits, Setup, Waypoint, nozzle_frame, robots};
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_trajectory::{Bounds, FreeRange, Posture, Robot};
 use std::fs;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 pub const STEP: f64 = 0.18074656188605107;
 
 pub struct Ur3 {
-    pub cell: Cell,
+    pub cell: Setup,
     pub waypoints: Vec<Waypoint>,
 }
 
@@ -19,7 +19,7 @@ impl Ur3 {
     pub fn new(path: &[(Point3<f64>, Vector3<f64>)]) -> Self {
         let nozzle = nozzle_frame(&Point3::new(300.0, 60.0, 220.0), &-Vector3::z_axis());
         let arm = Arm::new(&robots::UR3).unwrap();
-        let cell = Cell::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).unwrap();
+        let cell = Setup::part_in_hand(arm, Isometry3::translation(0.0, 0.0, 45.0), nozzle).unwrap();
         let mean = path.iter().map(|(p, _)| p.coords).sum::<Vector3<f64>>() / path.len() as f64;
         let lowest = path.iter().map(|(p, _)| p.z).fold(f64::INFINITY, f64::min);
         let origin = Vector3::new(mean.x, mean.y, lowest);

@@ -41,7 +41,7 @@ use super::lattice::Lattice;
 use super::slope::{evened, relax};
 use super::uniform::{UniformError, UniformField, UniformMethod, rows_of};
 use crate::cells::{Cells, LayerOrder};
-use crate::curved::buildable::standing::standing;
+use crate::curved::buildable::supported::supported_by_platform;
 use crate::curved::growth::{Covered, covered};
 use crate::curved::{GrowthError, Platform, Rules, audit};
 use crate::{Progress, ProgressFn};
@@ -93,7 +93,8 @@ const RAISES: usize = 24;
 /// use curvlay_layers::cells::Cells;
 /// use curvlay_layers::curved::{GrowthOptions, Platform, Rules, grow};
 /// use curvlay_layers::curved::surface::coherent_field;
-/// /// // An upright T, one cell thick: a stem of four cells below a bar of five.
+/// use std::ops::ControlFlow;
+/// // An upright T, one cell thick: a stem of four cells below a bar of five.
 /// let rows = [0b00100, 0b00100, 0b00100, 0b00100, 0b11111];
 /// let cells = Cells::new([5, 1, 5], &rows)?;
 /// let (platform, rules) = (Platform::under(&cells, 10.0)?, Rules::default());
@@ -115,7 +116,7 @@ pub fn coherent_field(
     let plain = super::plain_field(cells, order)?;
     let rows = rows_of(cells, order);
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
-    let part = Part::new(&built, rules, &standing(&built, platform, rules)?);
+    let part = Part::new(&built, rules, &supported_by_platform(&built, platform, rules)?);
     let envelope = Envelope { part: &part, cells: &built, platform, rules, progress };
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
     let mut best: Option<UniformField> = None;

@@ -1,0 +1,126 @@
+//! Options of the stage: which workcell, and what its controller is given.
+
+use clap::ValueEnum;
+use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
+use curvlay_examples::input;
+use curvlay_examples::motion::{TABLE_CELL, UR3_CELL, link_mesh, programs};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, WorkcellModel};
+use std::path::{Path, PathBuf};
+
+/// A nozzle with a longer cone than that of the workcell has a block of this height at least, in millimetres.
+const MIN_BLOCK_MM: f64 = 1.0;
+
+/// Which cell, and what its controller is given.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Motion of a robot")]
+pub struct MotionArgs {
+    /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
+    #[arg(long, conflicts_with = "workcell")]
+    pub cell8: bool,
+    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells)
+    #[arg(long, value_name = "FILE")]
+    pub workcell: Option<PathBuf>,
+    /// Format of the robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with
+    /// a table]
+    #[arg(long, value_name = "FORMAT")]
+    pub program: Option<ProgramFormat>,
+    /// Maximum acceleration of the joints, in rad/s2; inf for no limit [default: that of the workcell; 10 in those that come along, which
+    /// MoveIt assumes where makers publish none]
+    #[arg(long = "acceleration", value_name = "RAD_S2", value_parser = limit, allow_negative_numbers = true)]
+    pub acceleration_rad_s2: Option<f64>,
+    /// Maximum jerk of the joints, in rad/s3; inf for no limit [default: that of the workcell; 100 in those that come along, as MoveIt
+    /// assumes]
+    #[arg(long = "jerk", value_name = "RAD_S3", value_parser = limit, allow_negative_numbers = true)]
+    pub jerk_rad_s3: Option<f64>,
+    /// Maximum flow of the extruder, in mm3/s; where the plan asks for more, the nozzle slows down
+    #[arg(long = "max-flow", value_name = "MM3_S", default_value_t = f64::INFINITY, value_parser = limit, allow_negative_numbers = true)]
+    pub max_flow_mm3_s: f64,
+    /// Maximum change of that flow, in mm3/s2
+    #[arg(long = "max-flow-ramp", value_name = "MM3_S2", default_value_t = f64::INFINITY, value_parser = limit, allow_negative_numbers = true)]
+    pub max_flow_ramp_mm3_s2: f64,
+    /// Maximum distance of the nozzle from its path between waypoints, in millimetres [default: a quarter of the layer height or of the
+    /// bead, whichever is less]
+    #[arg(long, value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Minimum distance between arm, part and everything in the workcell, in millimetres; the nozzle touches the part where it prints
+    #[arg(long, value_name = "MM", default_value_t = GrowingOptions::MARGIN_MM, value_parser = from_zero, allow_negative_numbers = true)]
+    pub margin: f64,
+    /// Additional thickness of the links of the arm, in millimetres, for cables and hoses [default: that of the workcell; 10 if it has
+    /// none]
+    #[arg(long, value_name = "MM", value_parser = from_zero, allow_negative_numbers = true)]
+    pub link_allowance: Option<f64>,
+    /// Plans without the bodies of the arm: then no motion is proven free of collisions. Without this option, an arm whose bodies are
+    /// unknown is refused
+    #[arg(long)]
+    pub no_links: bool,
+    /// Maximum number of steps in a program file; a longer motion has a file of its own [default: 100000, for RAPID 5000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub program_steps: Option<u32>,
+}
+
+/// What a program is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgramFormat {
+    /// For arms of Universal Robots without a table: joints 125 times a second
+    Urscript,
+    /// For ABB arms: targets on the part, with the axes of a table
+    Rapid,
+    /// The same steps with every digit, for other programs
+    Csv,
+    /// None
+    None,
+}
+
+impl MotionArgs {
+    /// The workcell; with another nozzle, if one was asked for.
+    pub fn cell(&self, nozzle: Option<[f64; 4]>) -> Result<AnyWorkcell, Failure> {
+        let named = |error: String| match &self.workcell {
+            Some(file) => Failure::new(format!("{}: {error}", file.display())),
+            None => Failure::new(error),
+        };
+        let text = match &self.workcell {
+            Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
+            None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
+        };
+        let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;
+        if let Some([tip, angle, height, block]) = nozzle {
+            let shape = &mut model.nozzle;
+            (shape.tip_flat_mm, shape.cone_half_angle_deg) = (tip, angle);
+            (shape.cone_height_mm, shape.block_diameter_mm) = (height, block);
+            shape.block_top_mm = shape.block_top_mm.max(height + MIN_BLOCK_MM);
+        }
+        if let Some(allowance_mm) = self.link_allowance {
+            model.arm.allowance_mm = allowance_mm;
+        }
+        let folder = self.workcell.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        AnyWorkcell::with_link_meshes(model, &mut |file| link_mesh(folder, file))
+            .map_err(|error| named(error.to_string()))
+    }
+
+    /// Refuses an arm without bodies, unless that is wanted.
+    pub fn check_links(&self, cell: &AnyWorkcell) -> Result<(), Failure> {
+        if self.no_links || cell.equipment().link_bodies().is_some() {
+            return Ok(());
+        }
+        let file = self.workcell.as_ref().map_or_else(String::new, |file| format!("{}: ", file.display()));
+        Err(Failure::new(format!(
+            "{file}arm: the bodies of its links are not known, so no motion can be proven free of collisions; give `arm.bodies` \
+             (kinematics/docs/workcells.md), or --no-links to plan without"
+        )))
+    }
+
+    /// The format that is wanted.
+    pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
+        let takes_stream = programs::takes_stream(cell.equipment());
+        let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
+        match (self.program, takes_stream) {
+            (None, Ok(true)) => Ok(ProgramFormat::Urscript),
+            (None, Ok(false)) => Ok(ProgramFormat::Rapid),
+            (None, Err(_)) => Ok(ProgramFormat::Csv),
+            (Some(ProgramFormat::Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
+            (Some(ProgramFormat::Urscript), Err(why)) => refused(&format!("urscript: {why}")),
+            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
+            (Some(format), _) => Ok(format),
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! `trajectory.csv`: the motion, knot by knot, written and read again.
+
+use super::planned::MotionRun;
+use curvlay_trajectory::check::WrittenMotion;
+use curvlay_trajectory::print::SegmentKind;
+use std::io::{self, BufRead, Write};
+
+/// The file in the output folder.
+pub const FILE: &str = "trajectory.csv";
+
+/// A line a knot. Times go on from motion to motion; enough digits for jerks.
+pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, out: &mut dyn Write) -> io::Result<()> {
+    let names: Vec<String> = (1..=N).map(|joint| format!("q{joint}")).collect();
+    writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
+    let (mut start, mut laid) = (0.0, 0.0);
+    let plan = &run.plan;
+    for (number, leg) in plan.segments(0..plan.runs.len()).enumerate() {
+        let (kind, layer, path) = (leg.kind.name(), leg.run.layer + 1, leg.run.path);
+        let passes = if leg.kind == SegmentKind::Print { &leg.run.passes[..] } else { &[] };
+        let mut passes = passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
+        for (knot, (time, joints)) in leg.knots().iter().enumerate() {
+            write!(out, "{number},{}", start + time)?;
+            joints.iter().try_for_each(|joint| write!(out, ",{joint:.13}"))?;
+            write!(out, ",{kind},{layer},{path},")?;
+            if let Some((_, waypoint)) = passes.next_if(|(passed, _)| *passed == knot) {
+                write!(out, "{waypoint}")?;
+            }
+            writeln!(out, ",{:.6}", laid + leg.filament_mm(*time))?;
+        }
+        start += leg.duration();
+        laid += leg.filament_mm(leg.duration());
+    }
+    Ok(())
+}
+
+/// Reads the motions of a `trajectory.csv`.
+pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<WrittenMotion<N>>> {
+    let mut motions: Vec<WrittenMotion<N>> = Vec::new();
+    let mut last = None;
+    for (number, line) in file.lines().enumerate().skip(1) {
+        let line = line?;
+        let bad = || io::Error::other(format!("trajectory.csv, line {}: cannot be read again", number + 1));
+        let cells: Vec<&str> = line.split(',').collect();
+        let [motion, time, joints @ .., kind, layer, path, waypoint, _] = &cells[..] else { return Err(bad()) };
+        if last.as_deref() != Some(*motion) {
+            last = Some((*motion).to_owned());
+            let kind = SegmentKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
+            let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
+            let path = path.parse().map_err(|_| bad())?;
+            let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());
+            motions.push(WrittenMotion { kind, layer, path, times, joints, waypoints });
+        }
+        let motion = motions.last_mut().ok_or_else(bad)?;
+        let joints: Option<Vec<f64>> = joints.iter().map(|joint| joint.parse().ok()).collect();
+        motion.times.push(time.parse().map_err(|_| bad())?);
+        motion.joints.push(joints.and_then(|joints| joints.try_into().ok()).ok_or_else(bad)?);
+        if !waypoint.is_empty() {
+            motion.waypoints.push((waypoint.parse().map_err(|_| bad())?, motion.times[motion.times.len() - 1]));
+        }
+    }
+    Ok(motions)
+}

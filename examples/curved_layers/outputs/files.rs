@@ -1,0 +1,18 @@
+//! What has been written, for what refers to it.
+
+use super::programs::Programs;
+use curvlay_toolpath::gcode::Written;
+
+/// What stands in the machine file and in the programs.
+#[derive(Default)]
+pub struct Files {
+    pub gcode: Option<Written>,
+    pub programs: Option<Programs>,
+}
+
+impl Files {
+    /// Whether programs were written and read again.
+    pub fn has_read_programs(&self) -> bool {
+        self.programs.as_ref().is_some_and(|programs| programs.read.is_some())
+    }
+}

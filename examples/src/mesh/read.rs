@@ -1,0 +1,84 @@
+//! Files of any format, read.
+
+use super::fault::{MeshError, MeshFault};
+use super::formats::{Format, recognise};
+use super::triangles::Mesh;
+use super::{obj, ply, stl, threemf};
+use crate::finding::{Finding, Severity};
+use curvlay_voxel::OrientError;
+use curvlay_voxel::inspect::without_area;
+use std::fs;
+use std::path::Path;
+
+/// A mesh as it was read, and what was decided on the way.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What the reader decided, guessed or left out.
+    pub findings: Vec<Finding>,
+    /// The file states its unit (3MF), and the mesh is in millimetres.
+    pub states_unit: bool,
+}
+
+impl MeshFile {
+    /// A mesh about which there is nothing to say.
+    pub fn of(mesh: Mesh) -> Self {
+        MeshFile { mesh, findings: Vec::new(), states_unit: false }
+    }
+}
+
+/// Reads a mesh; its content decides the format, otherwise the ending of its name (any case). Polygons are cut into
+/// triangles in their own plane.
+///
+/// # Errors
+/// [`MeshError`] names the file, the place in it and the fault, in one line.
+///
+/// # Cost
+/// Linear in the size of the file, which is read whole. Nothing is set aside by a count that the file states.
+pub fn read_mesh_file(path: &Path) -> Result<MeshFile, MeshError> {
+    read(path).map_err(|fault| MeshError { path: path.to_owned(), fault })
+}
+
+/// The mesh of [`read_mesh_file`] without its findings.
+///
+/// # Errors
+/// As [`read_mesh_file`].
+pub fn read_mesh(path: &Path) -> Result<Mesh, MeshError> {
+    Ok(read_mesh_file(path)?.mesh)
+}
+
+fn read(path: &Path) -> Result<MeshFile, MeshFault> {
+    if !fs::metadata(path).map_err(MeshFault::Unreadable)?.is_file() {
+        return Err(MeshFault::NotAFile);
+    }
+    let bytes = fs::read(path).map_err(MeshFault::Unreadable)?;
+    if bytes.is_empty() {
+        return Err(MeshFault::Empty);
+    }
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    let welder = match recognise(&bytes, ending.as_deref())? {
+        Format::Stl => stl::parse(&bytes),
+        Format::Obj => obj::parse(&bytes),
+        Format::Ply => ply::parse(&bytes),
+        Format::ThreeMf => threemf::parse(&bytes),
+    }?;
+    let states_unit = welder.states_unit;
+    let (mut mesh, mut findings) = welder.finish();
+    findings.extend(leave_out(&mut mesh)?);
+    if mesh.triangles.is_empty() { Err(MeshFault::NoTriangles) } else { Ok(MeshFile { mesh, findings, states_unit }) }
+}
+
+/// Leaves out the triangles without area that no neighbour needs.
+fn leave_out(mesh: &mut Mesh) -> Result<Option<Finding>, MeshFault> {
+    if mesh.triangles.is_empty() {
+        return Ok(None);
+    }
+    let useless = without_area(&mesh.vertices, &mesh.triangles).map_err(OrientError::from)?;
+    let Some(first) = useless.first() else { return Ok(None) };
+    let (what, amount) = ("triangles without area were left out".to_owned(), useless.len().to_string());
+    let place = format!("first: triangle {} of the mesh", first + 1);
+    let mut numbers = 0..;
+    mesh.triangles.retain(|_| numbers.next().is_some_and(|number: u32| useless.binary_search(&number).is_err()));
+    Ok(Some(Finding::new(Severity::Note, what, amount, place)))
+}

@@ -1,0 +1,60 @@
+//! Options of programs for a workcell: its tool, its frames, its arm.
+
+use super::stream::StreamOptions;
+use crate::program::{
+    ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate, UrScriptOptions,
+};
+use crate::scene::Mount;
+use crate::workcell::{ArmGeometry, Equipment, tool_frame};
+
+impl RapidOptions {
+    /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
+    /// the limits of its arm; the arm and the table, for the seconds that the program states; the extruder is
+    /// switched on the path, earlier by its lag in the workcell.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let defaults = RapidOptions::default();
+        let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
+        let in_hand = |mount| matches!(mount, Mount::Link(_));
+        let name = "nozzle".to_owned();
+        let tool = RapidTool { name, in_hand: in_hand(held), frame: tool_frame(&nozzle), ..defaults.tool };
+        let unit = equipment.positioner().map(|_| "STN1".to_owned());
+        let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
+        let (arm, positioner) = (*equipment.arm(), equipment.positioner().copied());
+        let switching = RapidSwitching::OnPath { lag_s: equipment.model().controller.extruder_lag_s };
+        let limits = ProgramLimits::of_arm(&arm);
+        RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, ..defaults }
+    }
+}
+
+impl UrScriptOptions {
+    /// The nozzle as tool and the part frame as work object of a workcell, with its arm and within the limits of that; `servoj` as its
+    /// controller is set.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
+        let (defaults, controller) = (UrScriptOptions::default(), &equipment.model().controller);
+        UrScriptOptions {
+            part_in_hand: matches!(carrier, Mount::Link(_)),
+            work,
+            tool: tool_frame(&nozzle),
+            arm: Some(*equipment.arm()),
+            limits: ProgramLimits::of_arm(equipment.arm()),
+            lookahead_s: controller.servoj_lookahead_s.unwrap_or(defaults.lookahead_s),
+            gain: controller.servoj_gain.unwrap_or(defaults.gain),
+            ..defaults
+        }
+    }
+}
+
+impl StreamOptions {
+    /// The rate of the arm of a workcell, 500 Hz for e-Series, whose names end with `e`, and 125 Hz for others, which e-Series take as
+    /// well; signals later by the look-ahead time of `servoj`, and earlier by the lag of the extruder.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let rate = match &equipment.model().arm.geometry {
+            ArmGeometry::Named(name) if name.ends_with('e') => ServoRate::Hz500,
+            _ => ServoRate::Hz125,
+        };
+        let lookahead_s = UrScriptOptions::of_workcell(equipment).lookahead_s;
+        let lag_s = lookahead_s - equipment.model().controller.extruder_lag_s;
+        StreamOptions { rate, lag_s, ..StreamOptions::default() }
+    }
+}

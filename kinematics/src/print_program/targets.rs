@@ -1,0 +1,133 @@
+//! A print as targets on the part.
+
+use super::knot::{PrintKnot, TargetOptions};
+use super::merge::merged;
+use super::stream::by_joints;
+use crate::program::{ExternalAxes, Goal, Move, Speed, Step, TimedSignal, Zone};
+use crate::workcell::Workcell;
+
+/// A motion that prints, and the postures on the way from its end to the next motion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TargetMotion<const N: usize> {
+    /// The motion.
+    pub knots: Vec<PrintKnot<N>>,
+    /// The way on, without extrusion: each is a move by joints that stops.
+    pub onward: Vec<[f64; N]>,
+    /// Signals of a tape head along the motion, in the order of their times, for one that lays tape: the extruder stays off. `None` for a
+    /// motion that extrudes.
+    pub head: Option<Vec<TimedSignal>>,
+}
+
+/// The steps of a print as targets on the part: by joints to each motion, along it in straight lines from waypoint to waypoint
+/// at the speed of the plan, the table along, and on by joints.
+///
+/// The extruder is on along each motion, and the filament has the speed that lays what the plan lays between two waypoints.
+/// Along a motion of a tape head the extruder stays off; each signal comes at the first knot at or after its time, where the arm stops, so that a cut
+/// is where it was planned. Such motions are not merged.
+/// A motion without knots gives no steps but those of its way on. A posture with a table beyond its limits
+/// ([`Workcell::controller_pose`]) is left out with the moves that begin or end there.
+///
+/// For an arm without a table these steps are a URScript of `movel` or `movep` as well
+/// ([`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell)); with [`TargetOptions::merge_mm`] straight
+/// paths take few lines. Waypoints are merged only where they are near the line both of the tip on the part and of the part
+/// against the tip, so it does not matter which of them the controller interpolates.
+///
+/// # Cost
+/// Two forward kinematics a waypoint, and up to some hundred interpolations where waypoints are merged; memory for one
+/// motion.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::program::Step;
+/// use curvlay_kinematics::print_program::{PrintKnot, TargetMotion, TargetOptions, print_targets};
+/// use curvlay_kinematics::workcell::AnyWorkcell;
+/// # #[cfg(feature = "serde")] {
+/// let file = include_str!("../../../examples/cells/ur3.json");
+/// let AnyWorkcell::Six(workcell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+/// let at = |time_s: f64| PrintKnot { time_s, joints: [0.1 * time_s, -1.0, -1.5, 0.3, 0.2, 0.0], filament_mm: 2.0 * time_s };
+/// let motion = TargetMotion { knots: vec![at(0.0), at(0.5), at(1.0)], onward: vec![[0.0; 6]], head: None };
+/// let steps: Vec<Step> = print_targets(&workcell, [motion], TargetOptions::default()).collect();
+/// assert_eq!(steps.len(), 8);
+/// assert_eq!((steps[1], steps[6]), (Step::Extruder(true), Step::Extruder(false)));
+/// assert_eq!(steps[2], Step::FilamentSpeed(2.0));
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
+    workcell: &W,
+    motions: impl IntoIterator<Item = TargetMotion<N>>,
+    options: TargetOptions,
+) -> impl Iterator<Item = Step> {
+    let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s, .. } = options;
+    let joints_move = move |joints: &[f64; N]| {
+        let place = workcell.controller_pose(joints)?;
+        Some(by_joints(place.joints, place.table))
+    };
+    let line = move |[a, b]: [&PrintKnot<N>; 2], zone: Zone| {
+        let (from, to) = (workcell.controller_pose(&a.joints)?, workcell.controller_pose(&b.joints)?);
+        let step = b.time_s - a.time_s;
+        let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
+        let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
+        let speed = Speed { mm_s: mm_s.max(min_speed_mm_s), rad_s: (turn_factor * turn).max(min_turn_rad_s) };
+        let filament_mm_s = (b.filament_mm - a.filament_mm).max(0.0) / step;
+        let to = Move { goal: Goal::Line(to.target), table: to.table.map(ExternalAxes::from), speed, zone };
+        Some((filament_mm_s, to))
+    };
+    motions.into_iter().flat_map(move |TargetMotion { knots, onward, head }| {
+        if let Some(signals) = head {
+            let mut steps = along_tape(&knots, signals, &joints_move, &line, corner_mm);
+            steps.extend(onward.iter().filter_map(joints_move));
+            return steps;
+        }
+        let knots = if options.merge_mm > 0.0 { merged(workcell, &knots, &options) } else { knots };
+        let last = knots.len().saturating_sub(2);
+        let zone = |k: usize| if k == last { Zone::Stop } else { Zone::Blend(corner_mm) };
+        let along = knots.windows(2).enumerate().filter_map(|(k, pair)| line([&pair[0], &pair[1]], zone(k)));
+        let mut steps = Vec::with_capacity(2 * knots.len() + onward.len() + 3);
+        if let Some(first) = knots.first() {
+            steps.extend(joints_move(&first.joints));
+            steps.push(Step::Extruder(true));
+            let mut fed: Option<f64> = None;
+            for (mm_s, to) in along {
+                // An output keeps its value.
+                if fed.is_none_or(|fed| (mm_s - fed).abs() > options.same_speed * fed) {
+                    steps.push(Step::FilamentSpeed(mm_s));
+                    fed = Some(mm_s);
+                }
+                steps.push(Step::Move(to));
+            }
+            steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
+        }
+        steps.extend(onward.iter().filter_map(joints_move));
+        steps
+    })
+}
+
+/// The steps of a motion of a tape head.
+fn along_tape<const N: usize>(
+    knots: &[PrintKnot<N>],
+    signals: Vec<TimedSignal>,
+    joints_move: &impl Fn(&[f64; N]) -> Option<Step>,
+    line: &impl Fn([&PrintKnot<N>; 2], Zone) -> Option<(f64, Move)>,
+    corner_mm: f64,
+) -> Vec<Step> {
+    let Some(first) = knots.first() else { return Vec::new() };
+    let mut due = signals.into_iter().peekable();
+    let mut by = |until_s: f64, steps: &mut Vec<Step>| {
+        while let Some(TimedSignal { signal, on, .. }) = due.next_if(|signal| signal.time_s <= until_s) {
+            steps.push(Step::Signal { signal, on });
+        }
+        due.peek().map(|next| next.time_s)
+    };
+    let mut steps: Vec<Step> = joints_move(&first.joints).into_iter().collect();
+    let mut next_s = by(0.0, &mut steps);
+    for (k, pair) in knots.windows(2).enumerate() {
+        let at_s = pair[1].time_s - first.time_s;
+        let stops = k + 2 == knots.len() || next_s.is_some_and(|next_s| next_s <= at_s);
+        let zone = if stops { Zone::Stop } else { Zone::Blend(corner_mm) };
+        steps.extend(line([&pair[0], &pair[1]], zone).map(|(_, to)| Step::Move(to)));
+        next_s = by(at_s, &mut steps);
+    }
+    by(f64::INFINITY, &mut steps);
+    steps
+}

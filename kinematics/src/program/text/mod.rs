@@ -1,0 +1,8 @@
+//! Text: what the formats share. `write` puts numbers and words into a buffer, `tokens` takes them from a file, `names` knows which names a
+//! controller takes.
+
+pub(crate) mod names;
+pub(crate) mod tokens;
+mod write;
+
+pub(crate) use write::Text;

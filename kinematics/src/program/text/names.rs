@@ -1,0 +1,94 @@
+//! Names that a controller takes: form, length, and words that the language keeps for itself.
+
+use crate::program::check::WriteError;
+
+/// Words of the RAPID grammar (*RAPID Overview*, basic characteristics, reserved words), `TASK` included, which stands
+/// before declarations. Case does not count.
+const RAPID_RESERVED: &str = "\
+    ALIAS AND BACKWARD CASE CONNECT CONST DEFAULT DIV DO ELSE ELSEIF ENDFOR ENDFUNC ENDIF ENDMODULE ENDPROC \
+    ENDRECORD ENDTEST ENDTRAP ENDWHILE ERROR EXIT FALSE FOR FROM FUNC GOTO IF INOUT LOCAL MOD MODULE NOSTEPIN NOT \
+    NOVIEW OR PERS PROC RAISE READONLY RECORD RETRY RETURN STEP SYSMODULE TASK TEST THEN TO TRAP TRUE TRYNEXT UNDO \
+    VAR VIEWONLY WHILE WITH XOR";
+
+/// Instructions, functions, types and data that every RAPID controller has installed, and which a program of ours, or
+/// one that is loaded beside it, may want. A global name of ours must be none of them.
+const RAPID_INSTALLED: &str = "\
+    Abs AccSet ActUnit Add BitAnd bool byte CJointT Clear ClkReset ClkStart ClkStop clock Close confdata ConfJ ConfL \
+    CPos CRobT DeactUnit Decr DefFrame dionum Distance EOffsOff EOffsOn EOffsSet ERRNO errnum EulerZYX extjoint fine \
+    GripLoad high IDelete IDisable IEnable Incr inpos100 inpos20 inpos50 INTNO intnum IODisable IOEnable jointtarget \
+    Load load0 loaddata LoadId low MechUnitLoad mecunit MoveAbsJ MoveC MoveCDO MoveJ MoveJDO MoveL MoveLDO num Offs \
+    Open orient OrientZYX PathAccLim PDispOff PDispOn PDispSet pos pose PoseInv PoseMult PulseDO RelTool Reset \
+    RestoPath ROB_ID robjoint robtarget Round Save SearchL Set SetAO SetDO SetGO signalai signalao signaldi signaldo \
+    signalgi signalgo SingArea SoftAct SoftDeact speeddata StartLoad StartMove Stop StopMove StorePath string \
+    StrMatch switch tool0 tooldata TPErase TPReadNum TPWrite triggdata TriggEquip TriggIO TriggJ TriggL UnLoad VelSet vmax \
+    WaitDI WaitDO WaitTime WaitUntil wobj0 wobjdata WorldAccLim zonedata";
+
+/// Words of URScript (*The URScript Programming Language*), and functions and variables that a program of ours uses.
+/// Case counts.
+const URSCRIPT_RESERVED: &str = "\
+    and break case continue def default elif else end enter_critical exit_critical False for global halt if in join \
+    kill local loop mod not or pause pass return run sec struct switch sync thread True until while xor movej movel \
+    roller conductor tape_heat tape_feed tape_press tape_cut tool_ready tape_hot tape_fed get_standard_digital_in \
+    movep movec servoj stopj stopl pose_trans filament_full_scale nozzle pose_inv set_tcp set_payload \
+    set_standard_digital_out set_standard_analog_out p sleep work";
+
+/// Letters that begin a name of RAPID's speeds and zones, before digits only.
+const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
+
+/// Which language a name is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Language {
+    Rapid,
+    UrScript,
+}
+
+/// Whether the language keeps a name for itself, and why.
+fn kept(language: Language, name: &str) -> Option<&'static str> {
+    let has = |words: &str| words.split_ascii_whitespace().any(|word| word.eq_ignore_ascii_case(name));
+    match language {
+        Language::Rapid if has(RAPID_RESERVED) => Some("it is a reserved word of RAPID"),
+        Language::Rapid if has(RAPID_INSTALLED) || name.eq_ignore_ascii_case("main") || is_numbered(name) => {
+            Some("RAPID has something else of that name")
+        }
+        Language::UrScript if URSCRIPT_RESERVED.split_ascii_whitespace().any(|word| word == name) => {
+            Some("it is a word of URScript")
+        }
+        _ => None,
+    }
+}
+
+/// `v100`, `z10` and their like.
+fn is_numbered(name: &str) -> bool {
+    let digits = name.find(|c: char| c.is_ascii_digit()).filter(|at| name[*at..].bytes().all(|b| b.is_ascii_digit()));
+    digits.is_some_and(|at| RAPID_NUMBERED.iter().any(|word| word.eq_ignore_ascii_case(&name[..at])))
+}
+
+/// Letters, digits and `_`, a letter first, not too long.
+pub(crate) fn check_form(what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
+    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain && name.len() <= most && name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        return Ok(());
+    }
+    let need = format!("letters, digits and _ only, a letter first, at most {most} of them");
+    Err(WriteError::Name { what, name: name.to_owned(), need })
+}
+
+/// Whether a controller takes a name of ours.
+pub(crate) fn check_name(language: Language, what: &'static str, name: &str, most: usize) -> Result<(), WriteError> {
+    check_form(what, name, most)?;
+    match kept(language, name) {
+        None => Ok(()),
+        Some(why) => Err(WriteError::Name { what, name: name.to_owned(), need: format!("{why}; take another") }),
+    }
+}
+
+/// Names that must all differ, whatever their case: RAPID has one table for modules, routines, data and signals.
+pub(crate) fn check_distinct(names: &[(&'static str, &str)]) -> Result<(), WriteError> {
+    for (k, &(what, name)) in names.iter().enumerate() {
+        if let Some((other, _)) = names[..k].iter().find(|(_, before)| before.eq_ignore_ascii_case(name)) {
+            let need = format!("`{other}` has the same name; RAPID wants two");
+            return Err(WriteError::Name { what, name: name.to_owned(), need });
+        }
+    }
+    Ok(())
+}
