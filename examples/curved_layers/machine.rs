@@ -13,7 +13,7 @@ use curvlay_toolpath::gcode::{Move, marked_moves};
 use curvlay_toolpath::gouging::{Nozzle, ResolvedPaths};
 use curvlay_toolpath::orientation::{OrientOptions, ToolPath, Turns};
 use curvlay_toolpath::plan::PrintPlan;
-use curvlay_toolpath::shell::{SkinGap, SkinOptions, skin_gap};
+use curvlay_toolpath::shell::{ShellGap, ShellOptions, shell_gap};
 use curvlay_toolpath::support::{BeadSupport, check_support, check_support_on_mould};
 use curvlay_toolpath::travel::Travels;
 use nalgebra::{Point3, Vector3};
@@ -38,7 +38,7 @@ pub struct MachineRun {
     /// Area that beads cover by the thickness of the layer there, if that is measured.
     pub covered_mm3: Option<f64>,
     /// How far the skin of the part is from its beads, if that is measured.
-    pub skin: Option<SkinGap>,
+    pub skin: Option<ShellGap>,
     /// The longest path as the closest points have it, unfiltered, to compare with.
     pub unfiltered: Option<ToolPath>,
     pub times: Times,
@@ -63,8 +63,8 @@ impl MachineRun {
     pub fn measure_skin(&mut self, mesh: &Mesh, shift: Vector3<f64>, bars: &Bars) -> Result<(), Failure> {
         let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(|vertex| vertex + shift).collect();
         let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
-        let options = SkinOptions::default();
-        self.skin = Some(skin_gap(&self.resolved.paths, &vertices, &mesh.triangles, &options, &progress)?);
+        let options = ShellOptions::default();
+        self.skin = Some(shell_gap(&self.resolved.paths, &vertices, &mesh.triangles, &options, &progress)?);
         Ok(())
     }
 

@@ -55,7 +55,7 @@ impl Mould {
 
     /// As the nozzle must keep clear of it.
     pub fn surface(&self, layer_mm: f64) -> layer::Mould<'_> {
-        layer::Mould { vertices: &self.vertices, triangles: &self.triangles, skin: layer_mm }
+        layer::Mould { vertices: &self.vertices, triangles: &self.triangles, thickness: layer_mm }
     }
 
     /// Where it stands, along x and y of the machine file.

@@ -250,7 +250,7 @@ impl Deposition {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepositionError {
-    /// An option that is no use.
+    /// An option is out of its range.
     #[error("{option} is {value}: {wanted}")]
     Option {
         /// Its name.

@@ -53,4 +53,4 @@ mod union_find;
 pub mod vtp;
 
 pub use nalgebra;
-pub use progress::Progress;
+pub use progress::{Progress, ProgressFn};

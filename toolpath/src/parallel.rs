@@ -1,14 +1,13 @@
 //! The same work for many things, on all threads with the feature `rayon`; the results stand in the order of the things.
 
-use crate::Progress;
-use std::ops::ControlFlow;
+use crate::{Progress, ProgressFn};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// `None` if cancelled.
 pub(crate) fn map<T: Sync, R: Send>(
     things: &[T],
     stage: &'static str,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
     work: impl Fn(usize, &T) -> R + Sync,
 ) -> Option<Vec<R>> {
     let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));

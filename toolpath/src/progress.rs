@@ -1,5 +1,7 @@
 //! How far long work has come.
 
+use std::ops::ControlFlow;
+
 /// How far a long computation has come; handed to the caller's callback, which may cancel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
@@ -10,3 +12,6 @@ pub struct Progress {
     /// Units of work in this stage.
     pub total: u64,
 }
+
+/// What long work calls with its [`Progress`], from any of its threads; `Break` cancels it.
+pub type ProgressFn<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);

@@ -1,22 +1,22 @@
-//! How near the beads of a part are to its skin: the staircase.
+//! How near the beads of a part are to its shell: the staircase.
 //!
-//! Takes the mesh of the part and tool paths; gives a [`SkinGap`] ([`skin_gap`]).
+//! Takes the mesh of the part and tool paths; gives a [`ShellGap`] ([`shell_gap`]).
 //!
-//! The skin of a part is its mesh; what is printed are beads, bodies with round rims. Points of the mesh are looked at, spread evenly over its area. Of one that
+//! The shell of a part is its mesh; what is printed are beads, bodies with round rims. Points of the mesh are looked at, spread evenly over its area. Of one that
 //! no bead reaches the distance to the nearest is taken; of one inside a bead, how far the beads go on from there along the normal of the
 //! mesh, out of the part. It is a check of what is laid, and knows neither surfaces of layers nor fields.
 //!
-//! On an upright wall of beads of the height `h` whose rims touch the skin, points between two beads are `(sqrt(2) - 1) h / 2` away, a fifth of a
+//! On an upright wall of beads of the height `h` whose rims touch the shell, points between two beads are `(sqrt(2) - 1) h / 2` away, a fifth of a
 //! layer, and half of all points less than a twentieth. What leans has steps.
 
+use crate::ProgressFn;
 use crate::beads::{BeadGrid, Section, nearest_share};
 use crate::orientation::{ToolPath, Waypoint};
-use crate::{Progress, parallel};
+use crate::parallel;
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// Coordinates and sizes beyond this, in millimetres, are refused.
-const LARGEST: f64 = 1e7;
+const MAX_COORDINATE_MM: f64 = 1e7;
 
 /// More points than this are refused.
 const MAX_POINTS: usize = 100_000_000;
@@ -27,42 +27,42 @@ const OUTWARD: f64 = 0.25;
 /// Triangles of a task for a thread.
 const CHUNK: usize = 512;
 
-/// How the skin is looked at.
+/// How the shell is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct SkinOptions {
-    /// Points of the skin, about: 200,000. Each triangle has one at least.
+pub struct ShellOptions {
+    /// Points of the shell, about: 200,000. Each triangle has one at least.
     pub points: usize,
     /// A point farther than this from all beads, in millimetres, is bare: 1.
     pub bare_mm: f64,
 }
 
-impl Default for SkinOptions {
+impl Default for ShellOptions {
     fn default() -> Self {
-        SkinOptions { points: 200_000, bare_mm: 1.0 }
+        ShellOptions { points: 200_000, bare_mm: 1.0 }
     }
 }
 
-/// How far the skin is from the beads. Shares are of its area.
+/// How far the shell is from the beads. Shares are of its area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SkinGap {
+pub struct ShellGap {
     /// Points that were looked at.
     pub points: usize,
     /// Mean of the distance, in or out, in millimetres, at most the limit.
     pub mean_mm: f64,
-    /// Half of the skin is nearer than this.
+    /// Half of the shell is nearer than this.
     pub p50_mm: f64,
-    /// 95 % of the skin are nearer than this.
+    /// 95 % of the shell are nearer than this.
     pub p95_mm: f64,
-    /// Share of the skin that is bare, or where beads go on outside of the part by as much.
+    /// Share of the shell that is bare, or where beads go on outside of the part by as much.
     pub bare_share: f64,
 }
 
-/// Why the skin cannot be looked at.
+/// Why the shell cannot be looked at.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SkinError {
-    /// An option that is no use.
+pub enum ShellError {
+    /// An option is out of its range.
     #[error("{option} is {value}: {wanted}")]
     Option {
         /// Its name.
@@ -91,17 +91,17 @@ pub enum SkinError {
     Cancelled,
 }
 
-/// Measures how far the skin of a part is from its beads; those of support do not count.
+/// Measures how far the shell of a part is from its beads; those of support do not count.
 ///
 /// # Arguments
 /// * `vertices`, `triangles`: the mesh of the part, where it is printed; counter-clockwise from outside.
-/// * `progress`: called with the stage `skin`; may cancel.
+/// * `progress`: called with the stage `shell`; may cancel.
 ///
 /// # Returns
 /// All 0 for a mesh without area.
 ///
 /// # Errors
-/// [`SkinError`].
+/// [`ShellError`].
 ///
 /// # Cost
 /// Some microseconds for each point. The result does not depend on the number of threads.
@@ -111,7 +111,7 @@ pub enum SkinError {
 /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
-/// use curvlay_toolpath::shell::{SkinOptions, skin_gap};
+/// use curvlay_toolpath::shell::{ShellOptions, shell_gap};
 /// use std::ops::ControlFlow::Continue;
 /// // A wall of 40 beads on each other, 20 mm long and 0.4 mm wide; its side is 0.2 mm beside their middles.
 /// let at = |x, z| Waypoint {
@@ -123,24 +123,24 @@ pub enum SkinError {
 /// };
 /// let paths: Vec<ToolPath> = (0..40).map(path).collect();
 /// let side = [[20.0, 0.2, 0.0], [0.0, 0.2, 0.0], [0.0, 0.2, 8.0], [20.0, 0.2, 8.0]].map(Point3::from);
-/// let gap = skin_gap(&paths, &side, &[[0, 1, 2], [0, 2, 3]], &SkinOptions::default(), &|_| Continue(()))?;
+/// let gap = shell_gap(&paths, &side, &[[0, 1, 2], [0, 2, 3]], &ShellOptions::default(), &|_| Continue(()))?;
 /// // Between two beads 0.041 mm.
 /// assert!(gap.p95_mm > 0.033 && gap.p95_mm < 0.042 && gap.bare_share == 0.0);
-/// # Ok::<(), curvlay_toolpath::shell::SkinError>(())
+/// # Ok::<(), curvlay_toolpath::shell::ShellError>(())
 /// ```
-pub fn skin_gap(
+pub fn shell_gap(
     paths: &[ToolPath],
     vertices: &[Point3<f64>],
     triangles: &[[u32; 3]],
-    options: &SkinOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<SkinGap, SkinError> {
+    options: &ShellOptions,
+    progress: ProgressFn,
+) -> Result<ShellGap, ShellError> {
     options.check()?;
     let triangles = corners(vertices, triangles)?;
     let pieces = pieces(paths)?;
     let area: f64 = triangles.iter().map(area).sum();
     if area <= 0.0 {
-        return Ok(SkinGap::default());
+        return Ok(ShellGap::default());
     }
     let size = pieces.iter().flatten().map(|section| section.core + section.rim).fold(0.0, f64::max);
     let min_rim = pieces.iter().flatten().map(|section| section.rim).fold(f64::INFINITY, f64::min);
@@ -156,29 +156,29 @@ pub fn skin_gap(
         }
         found
     };
-    let found = parallel::map(&chunks, "skin", progress, of_chunk).ok_or(SkinError::Cancelled)?;
-    Ok(SkinGap::of(found.into_iter().flatten().collect(), options.bare_mm))
+    let found = parallel::map(&chunks, "shell", progress, of_chunk).ok_or(ShellError::Cancelled)?;
+    Ok(ShellGap::of(found.into_iter().flatten().collect(), options.bare_mm))
 }
 
-impl SkinOptions {
-    fn check(&self) -> Result<(), SkinError> {
+impl ShellOptions {
+    fn check(&self) -> Result<(), ShellError> {
         if !(1..=MAX_POINTS).contains(&self.points) {
             let value = self.points as f64;
-            return Err(SkinError::Option { option: "points", value, wanted: "1 to 100 million" });
+            return Err(ShellError::Option { option: "points", value, wanted: "1 to 100 million" });
         }
         let value = self.bare_mm;
-        let is_length = value > 0.0 && value <= LARGEST;
+        let is_length = value > 0.0 && value <= MAX_COORDINATE_MM;
         if is_length {
             Ok(())
         } else {
-            Err(SkinError::Option { option: "bare_mm", value, wanted: "above 0 and at most 1e7" })
+            Err(ShellError::Option { option: "bare_mm", value, wanted: "above 0 and at most 1e7" })
         }
     }
 }
 
-impl SkinGap {
+impl ShellGap {
     /// Of distances, each with the area that it stands for.
-    fn of(mut found: Vec<(f64, f64)>, bare_mm: f64) -> SkinGap {
+    fn of(mut found: Vec<(f64, f64)>, bare_mm: f64) -> ShellGap {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let area: f64 = found.iter().map(|(_, area)| area).sum();
         let share_below = |share: f64| {
@@ -191,7 +191,7 @@ impl SkinGap {
         };
         let bare = found.iter().filter(|(distance, _)| *distance >= bare_mm).map(|(_, area)| area);
         let bare = bare.fold(0.0, |sum, area| sum + area); // a sum of nothing is -0.0
-        SkinGap {
+        ShellGap {
             points: found.len(),
             mean_mm: found.iter().map(|(distance, area)| distance * area).sum::<f64>() / area,
             p50_mm: share_below(0.5),
@@ -201,28 +201,28 @@ impl SkinGap {
     }
 }
 
-fn corners(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<[Point3<f64>; 3]>, SkinError> {
-    let is_sound = |corner: &Point3<f64>| corner.iter().all(|x| x.abs() <= LARGEST);
+fn corners(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<[Point3<f64>; 3]>, ShellError> {
+    let is_sound = |corner: &Point3<f64>| corner.iter().all(|x| x.abs() <= MAX_COORDINATE_MM);
     let of = |(triangle, corners): (usize, &[u32; 3])| {
         let corner = |k: usize| vertices.get(corners[k] as usize).copied().filter(is_sound);
         match (corner(0), corner(1), corner(2)) {
             (Some(a), Some(b), Some(c)) => Ok([a, b, c]),
-            _ => Err(SkinError::BadTriangle { triangle }),
+            _ => Err(ShellError::BadTriangle { triangle }),
         }
     };
     triangles.iter().enumerate().map(of).collect()
 }
 
 /// The pieces of beads between two waypoints, without those of support.
-fn pieces(paths: &[ToolPath]) -> Result<Vec<[Section; 2]>, SkinError> {
+fn pieces(paths: &[ToolPath]) -> Result<Vec<[Section; 2]>, ShellError> {
     let is_sound = |at: &Waypoint| {
-        let is_length = |value: f64| value > 0.0 && value <= LARGEST;
+        let is_length = |value: f64| value > 0.0 && value <= MAX_COORDINATE_MM;
         let places = at.tip.iter().chain(at.direction.iter()).chain(at.lift.iter());
-        places.copied().all(|x| x.abs() <= LARGEST) && is_length(at.width) && is_length(at.height)
+        places.copied().all(|x| x.abs() <= MAX_COORDINATE_MM) && is_length(at.width) && is_length(at.height)
     };
     for (path, of_path) in paths.iter().enumerate() {
         if let Some(waypoint) = of_path.waypoints.iter().position(|at| !is_sound(at)) {
-            return Err(SkinError::BadWaypoint { path, waypoint });
+            return Err(ShellError::BadWaypoint { path, waypoint });
         }
     }
     let pairs = paths.iter().flat_map(|path| path.waypoints.windows(2)).filter(|pair| !pair[1].kind.is_support());
@@ -263,7 +263,7 @@ struct Beads<'a> {
 }
 
 impl Beads<'_> {
-    /// How far a point of the skin is from the beads, or how far these go on outside of it; at most the limit.
+    /// How far a point of the shell is from the beads, or how far these go on outside of it; at most the limit.
     fn off(&self, at: Point3<f64>, normal: Vector3<f64>) -> f64 {
         let gap = self.gap(at);
         if gap >= 0.0 {

@@ -22,22 +22,22 @@
 //!
 //! Segments stand in a grid of cells about as wide as the greatest distance, so time is near linear in the length of the paths.
 
+use crate::ProgressFn;
 use crate::beads::{BeadGrid, Section, nearest_share};
 use crate::layer::{Mould, MouldError, MouldSurface};
 use crate::orientation::{ToolPath, Waypoint};
+use crate::parallel;
 use crate::path::BeadKind;
-use crate::{Progress, parallel};
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// Coordinates and sizes beyond this, in millimetres, are refused: numbers of cells stay exact.
-const LARGEST: f64 = 1e7;
+const MAX_COORDINATE_MM: f64 = 1e7;
 
 /// A bead lies on a mould that faces its nozzle by 60 degrees: the cosine. A wall beside it does not carry it.
 const FACING: f64 = 0.5;
 
 /// More places than this are refused: the step is a slip of the unit.
-const MOST_PLACES: f64 = 1e9;
+const MAX_PLACES: f64 = 1e9;
 
 /// What counts as support.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +103,7 @@ impl UnsupportedPiece {
     pub fn middles(&self, paths: &[ToolPath], step_mm: f64) -> Vec<Point3<f64>> {
         let Some(path) = paths.get(self.path).filter(|path| path.waypoints.len() > 1) else { return Vec::new() };
         let pieces = (self.length() / step_mm).ceil();
-        let pieces = if step_mm > 0.0 && pieces <= MOST_PLACES { pieces.max(1.0) } else { 1.0 };
+        let pieces = if step_mm > 0.0 && pieces <= MAX_PLACES { pieces.max(1.0) } else { 1.0 };
         let middle = |k: u32| {
             let ([a, b], share) = place_at(path, self.arcs[0] + self.length() * f64::from(k) / pieces);
             Section::of(a).toward(&Section::of(b), share).middle
@@ -162,7 +162,7 @@ fn longest(pieces: &[UnsupportedPiece]) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SupportError {
-    /// An option that is no use.
+    /// An option is out of its range.
     #[error("{option} is {value}: {wanted}")]
     Option {
         /// Its name.
@@ -247,7 +247,7 @@ pub fn check_support(
     paths: &[ToolPath],
     layer_height: f64,
     options: &SupportOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<BeadSupport, SupportError> {
     check_support_on(None, paths, layer_height, options, progress)
 }
@@ -255,7 +255,7 @@ pub fn check_support(
 /// The same on a mould, or on a part that exists already.
 ///
 /// # Arguments
-/// * `mould`: its [skin](Mould::skin) has no part in it.
+/// * `mould`: its [thickness](Mould::thickness) has no part in it.
 /// * all others as for [`check_support`].
 ///
 /// # Errors
@@ -289,7 +289,7 @@ pub fn check_support_on_mould(
     mould: &Mould,
     layer_height: f64,
     options: &SupportOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<BeadSupport, SupportError> {
     check_support_on(Some(MouldSurface::new(mould)?), paths, layer_height, options, progress)
 }
@@ -299,10 +299,10 @@ fn check_support_on(
     paths: &[ToolPath],
     layer_height: f64,
     options: &SupportOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<BeadSupport, SupportError> {
     check(paths, layer_height, options)?;
-    let laid = Laid { mould, ..Laid::new(paths, layer_height, options) };
+    let laid = DepositedBeads { mould, ..DepositedBeads::new(paths, layer_height, options) };
     let of_path = |number: usize, path: &ToolPath| laid.unsupported(number, path);
     let pieces = parallel::map(paths, "support", progress, of_path).ok_or(SupportError::Cancelled)?;
     let bead_mm = paths.iter().flat_map(|path| path.waypoints.windows(2)).map(|pair| pair[1].arc - pair[0].arc);
@@ -317,7 +317,7 @@ fn check_support_on(
 fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Result<(), SupportError> {
     let &SupportOptions { max_distance, min_drop, step, span_hold, span_bend, .. } = options;
     let above_zero = [("layer_height", layer_height), ("max_distance", max_distance), ("step", step)];
-    let wrong = |&(_, value): &(&str, f64)| !(value > 0.0 && value <= LARGEST);
+    let wrong = |&(_, value): &(&str, f64)| !(value > 0.0 && value <= MAX_COORDINATE_MM);
     if let Some((option, value)) = above_zero.into_iter().find(wrong) {
         return Err(SupportError::Option { option, value, wanted: "above 0 and at most 1e7" });
     }
@@ -335,11 +335,15 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
         if waypoints.len() < 2 {
             return Err(SupportError::FewWaypoints { path: number, waypoints: waypoints.len() });
         }
-        let is_length = |value: f64| value > 0.0 && value <= LARGEST;
+        let is_length = |value: f64| value > 0.0 && value <= MAX_COORDINATE_MM;
         for (k, at) in waypoints.iter().enumerate() {
             let before = waypoints[k.saturating_sub(1)].arc;
-            let is_place = at.tip.iter().chain(at.direction.iter()).all(|x| x.abs() <= LARGEST);
-            if !(is_place && is_length(at.width) && is_length(at.height) && at.arc.abs() <= LARGEST && at.arc >= before)
+            let is_place = at.tip.iter().chain(at.direction.iter()).all(|x| x.abs() <= MAX_COORDINATE_MM);
+            if !(is_place
+                && is_length(at.width)
+                && is_length(at.height)
+                && at.arc.abs() <= MAX_COORDINATE_MM
+                && at.arc >= before)
             {
                 return Err(SupportError::BadWaypoint { path: number, waypoint: k });
             }
@@ -351,7 +355,7 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
     let step_mm = step * layer_height;
     // What is looked up, and what is looked at.
     let places = length / step_mm.min(0.25 * max_distance * layer_height);
-    if places > MOST_PLACES {
+    if places > MAX_PLACES {
         return Err(SupportError::TooManyPlaces { step_mm, places });
     }
     Ok(())
@@ -366,7 +370,7 @@ struct Segment {
 }
 
 /// All beads.
-struct Laid {
+struct DepositedBeads {
     segments: Vec<Segment>,
     /// Where the segments of each path begin in the list.
     firsts: Vec<usize>,
@@ -389,8 +393,8 @@ enum Hold {
     Unknown,
 }
 
-impl Laid {
-    fn new(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Laid {
+impl DepositedBeads {
+    fn new(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> DepositedBeads {
         let &SupportOptions { max_distance, min_drop, step, plate, span_hold, span_bend } = options;
         let max_mm = max_distance * layer_height;
         let (mut segments, mut firsts) = (Vec::new(), Vec::new());
@@ -405,7 +409,7 @@ impl Laid {
         let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
         let reach = max_mm + core.fold(0.0, f64::max);
         let grid = BeadGrid::new(segments.iter().map(|segment| &segment.ends), reach);
-        Laid {
+        DepositedBeads {
             segments,
             firsts,
             grid,

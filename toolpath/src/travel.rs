@@ -12,7 +12,7 @@
 //! Along a straight leg the tip goes by `s` and the direction turns by `f`. A point of the nozzle at a distance `d` from the tip
 //! moves by `s + f d` at most. Where it might touch something `d` is at most the farthest distance `L` from the leg to a box
 //! around all that is built. So if at the middle of the leg a nozzle grown by the clearance plus `(s + f L) / 2` is free, the
-//! leg is. If not, its halves are looked at, down to where that growth is `FINEST` of the clearance. The check of a place is
+//! leg is. If not, its halves are looked at, down to where that growth is `MIN_CLEARANCE_SHARE` of the clearance. The check of a place is
 //! that of `gouging`, so all holds but for a fiftieth of a layer.
 //!
 //! From the plate a way keeps the clearance as well. Where there is no such way, it keeps what it has at its ends: a nozzle
@@ -25,16 +25,16 @@
 //! the shortest one that is proven free is taken. Where none is the travel is listed, with what is in the way of
 //! the lowest straight one.
 
+use crate::ProgressFn;
 use crate::gouging::{GougingError, Nozzle, Obstacle, Scene, Stand};
 use crate::layer::{Built, LayerStack, of_layer};
 use crate::orientation::{Pose, ToolPath, Waypoint, along, angle, farthest, lean};
-use crate::{Progress, parallel};
+use crate::parallel;
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// Legs are halved until their middle stands for them but for this share of the clearance. Less finds ways through gaps that
 /// are just wide enough, and takes longer where there are none.
-const FINEST: f64 = 0.25;
+const MIN_CLEARANCE_SHARE: f64 = 0.25;
 
 /// From one height above the ends to the next one that is tried. Less finds shorter ways and tries more.
 const HIGHER: f64 = 1.6;
@@ -46,13 +46,13 @@ const ARCS: [f64; 3] = [0.25, 0.5, 1.0];
 const PIECES: usize = 8;
 
 /// Places along a leg at which is looked what is in the way, at most.
-const MOST_LOOKS: f64 = 1e4;
+const MAX_LOOKS: f64 = 1e4;
 
 /// What distances from the plate may lack, in millimetres.
 const PLATE_ROUNDING_MM: f64 = 1e-9;
 
 /// Lengths beyond this are refused.
-const LARGEST: f64 = 1e6;
+const MAX_LENGTH_MM: f64 = 1e6;
 
 /// How ways from path to path are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +104,8 @@ impl TravelOptions {
     fn check(&self) -> Result<(), GougingError> {
         let wanted = "above 0 and at most 1e6";
         let lengths = [("clearance", self.clearance), ("min_lift", self.min_lift), ("max_lift", self.max_lift)];
-        if let Some((option, value)) = lengths.into_iter().find(|(_, value)| !(*value > 0.0 && *value <= LARGEST)) {
+        if let Some((option, value)) = lengths.into_iter().find(|(_, value)| !(*value > 0.0 && *value <= MAX_LENGTH_MM))
+        {
             return Err(GougingError::Option { option, value, wanted });
         }
         if self.max_lift < self.min_lift {
@@ -169,7 +170,7 @@ impl LayerStack<'_> {
         paths: &[ToolPath],
         nozzle: &Nozzle,
         options: &TravelOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Travels, GougingError> {
         options.check()?;
         self.check_paths(paths)?;
@@ -324,7 +325,7 @@ impl Finder<'_> {
             Some([[leg[0], middle], [middle, leg[1]]])
         };
         self.above_plate(height, lean) >= over_plate - PLATE_ROUNDING_MM
-            || motion > FINEST * self.options.clearance
+            || motion > MIN_CLEARANCE_SHARE * self.options.clearance
                 && halves().is_some_and(|halves| halves.iter().all(|half| self.is_leg_above(half, over_plate)))
     }
 
@@ -344,7 +345,7 @@ impl Finder<'_> {
             if self.is_free(&middle, clearance + moved) {
                 continue;
             }
-            if moved <= FINEST * clearance || !self.is_free(&middle, clearance) {
+            if moved <= MIN_CLEARANCE_SHARE * clearance || !self.is_free(&middle, clearance) {
                 return false;
             }
             let half = (low + high) / 2.0;
@@ -381,7 +382,9 @@ impl Finder<'_> {
     fn in_the_way(&mut self, way: &[Pose], over_plate: f64) -> (Point3<f64>, Obstacle) {
         let clearance = self.options.clearance;
         // With more than the clearance where only a proof is missing.
-        let found = [1.0, 1.0 + FINEST].iter().find_map(|share| self.nearer_than(clearance * share, over_plate, way));
+        let found = [1.0, 1.0 + MIN_CLEARANCE_SHARE]
+            .iter()
+            .find_map(|share| self.nearer_than(clearance * share, over_plate, way));
         // Then it is what was built last.
         found.unwrap_or((way[0].tip, Obstacle::Layer(self.layer)))
     }
@@ -391,7 +394,7 @@ impl Finder<'_> {
         for leg in way.windows(2) {
             let leg = [leg[0], leg[1]];
             let motion = length(&leg) + angle(&leg[0].direction, &leg[1].direction) * self.nozzle.corner();
-            let steps = (motion / (FINEST * clearance)).ceil().clamp(1.0, MOST_LOOKS) as usize;
+            let steps = (motion / (MIN_CLEARANCE_SHARE * clearance)).ceil().clamp(1.0, MAX_LOOKS) as usize;
             for pose in (0..=steps).filter_map(|k| leg[0].toward(&leg[1], k as f64 / steps as f64)) {
                 let (nozzle, stand) = self.grown(&pose, clearance);
                 let scene = self.scene(&nozzle);

@@ -20,7 +20,7 @@ use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
 use curvlay_toolpath::gouging::{Obstacle, ResolvedPaths};
 use curvlay_toolpath::orientation::ToolPath;
-use curvlay_toolpath::shell::SkinGap;
+use curvlay_toolpath::shell::ShellGap;
 use curvlay_toolpath::support::UnsupportedPiece;
 use curvlay_toolpath::vtp::write_paths_vtp;
 use serde_json::Value;
@@ -252,7 +252,7 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
 
 /// How far the skin is from the beads, in words.
 fn skin(run: &MachineRun) -> String {
-    let of = |skin: SkinGap| {
+    let of = |skin: ShellGap| {
         let bare = percent(skin.bare_share);
         format!("95 % within {:.3} mm of the beads, half within {:.3}; {bare} bare", skin.p95_mm, skin.p50_mm)
     };

@@ -59,7 +59,7 @@ fn number(index: u64, what: &'static str, value: f64, [least, most]: [f64; 2]) -
     if is_within { Ok(value) } else { Err(CamError::Number { index, what, value, least, most }) }
 }
 
-/// Refuses a place, direction or speed that is none.
+/// Refuses an invalid place, direction or speed.
 fn check(index: u64, tip: &Point3<f64>, direction: &UnitVector3<f64>, feed_mm_s: f64) -> Result<(), CamError> {
     for (what, value) in ["tip.x", "tip.y", "tip.z"].into_iter().zip(tip.iter()) {
         number(index, what, *value, COORDINATE)?;

@@ -19,7 +19,7 @@ const MAX_FACING_DISTANCE: f64 = 2.5;
 
 /// How a door lies beside its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Beside {
+pub(super) enum ParentSide {
     /// The door is one level higher.
     Above,
     /// One level lower.
@@ -36,7 +36,7 @@ pub(super) struct Chain {
     pub rises: bool,
     /// Rings beside the door that were in the tree before, the likeliest parent first; none for the first chain of a
     /// region.
-    pub parents: Vec<(u32, Beside)>,
+    pub parents: Vec<(u32, ParentSide)>,
     /// The connected region.
     pub region: u32,
 }
@@ -88,7 +88,7 @@ impl Tree<'_> {
     }
 
     /// Adds the chain that begins with a ring, and returns the band where it ends.
-    fn add(&mut self, door: u32, rises: bool, parents: Vec<(u32, Beside)>, region: u32) -> u32 {
+    fn add(&mut self, door: u32, rises: bool, parents: Vec<(u32, ParentSide)>, region: u32) -> u32 {
         let mut rings = vec![door];
         let mut last = door;
         let end = loop {
@@ -136,10 +136,10 @@ impl Tree<'_> {
             if let Some(&(upper, lower, _)) = pairs.iter().find(fits) {
                 let rises = known(self, lower);
                 let door = if rises { upper } else { lower };
-                let mut parents: Vec<(u32, Beside)> = Vec::new();
+                let mut parents: Vec<(u32, ParentSide)> = Vec::new();
                 for &(upper, lower, _) in &pairs {
                     let (one, parent, beside) =
-                        if rises { (upper, lower, Beside::Above) } else { (lower, upper, Beside::Below) };
+                        if rises { (upper, lower, ParentSide::Above) } else { (lower, upper, ParentSide::Below) };
                     if one == door && known(self, parent) {
                         parents.push((parent, beside));
                     }
@@ -161,7 +161,7 @@ impl Tree<'_> {
     }
 
     /// Rings in the tree that face a ring across a ridge, the nearest first. How far pairs are apart is kept.
-    fn facing(&self, door: u32, level: &[u32], apart: &mut BTreeMap<[u32; 2], f64>) -> Vec<(u32, Beside)> {
+    fn facing(&self, door: u32, level: &[u32], apart: &mut BTreeMap<[u32; 2], f64>) -> Vec<(u32, ParentSide)> {
         let mut near: Vec<(f64, u32)> = Vec::new();
         for &ring in level.iter().filter(|&&r| r != door && self.of_ring[r as usize].is_some()) {
             let least = || {
@@ -174,7 +174,7 @@ impl Tree<'_> {
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        near.into_iter().map(|(_, r)| (r, Beside::Across)).collect()
+        near.into_iter().map(|(_, r)| (r, ParentSide::Across)).collect()
     }
 
     fn probes(&self, ring: u32) -> impl Iterator<Item = nalgebra::Point3<f64>> + '_ {

@@ -1,21 +1,23 @@
 //! From level sets to the paths of a layer.
 
+use super::chains::Chain;
 use super::curve::Loop;
 use super::polyline::Curve;
 use super::spacing::{BEAD_WIDTHS, Spacing};
 use super::thin::thinned;
+use super::watch::Watch;
 use super::{chains, join, narrow, rows, short, spirals, widths, zigzag};
-use crate::Progress;
-use crate::level_set::LevelField;
-use crate::mesh::SurfacePoint;
+use crate::level_set::{LevelField, LevelSets};
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 use crate::path::{
     BeadKind, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
 };
+use crate::{Progress, ProgressFn};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// More levels than this are refused: the bead is then no bead but a slip of the unit.
-const MOST_LEVELS: usize = 100_000;
+const MAX_LEVELS: usize = 100_000;
 /// Points of a path nearer together than this share of a bead are thinned out.
 const THIN: f64 = 0.02;
 
@@ -77,11 +79,7 @@ impl LevelField<'_> {
     /// assert!((filled.paths[0].length() - 256.0).abs() < 8.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn paths(
-        &self,
-        options: &PathOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<LayerPaths, PathError> {
+    pub fn paths(&self, options: &PathOptions, progress: ProgressFn) -> Result<LayerPaths, PathError> {
         Ok(self.contours(options, None, progress)?.paths)
     }
 
@@ -90,7 +88,7 @@ impl LevelField<'_> {
         &self,
         options: &PathOptions,
         walls: Option<u32>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Contours, PathError> {
         let done = AtomicU64::new(0);
         let watch = || match progress(Progress { stage: "paths", done: done.load(Ordering::Relaxed), total: STEPS }) {
@@ -101,25 +99,8 @@ impl LevelField<'_> {
             done.fetch_add(1, Ordering::Relaxed);
             watch()
         };
-        let bead = options.bead;
-        if !(bead > 0.0 && bead.is_finite()) {
-            return Err(PathError::Bead { bead });
-        }
-        let PathOptions { min_gap: gap, join_distance, min_length, min_width, .. } = *options;
-        let from_zero = |value: f64| value >= 0.0 && value.is_finite();
-        if !from_zero(gap) {
-            return Err(PathError::Gap { gap });
-        }
-        if !from_zero(join_distance) {
-            return Err(PathError::JoinDistance { beads: join_distance });
-        }
-        if !from_zero(min_length) {
-            return Err(PathError::MinLength { beads: min_length });
-        }
-        if !(narrow::LEAST_MIN_WIDTH..=BEAD_WIDTHS[0]).contains(&min_width) {
-            return Err(PathError::MinWidth { beads: min_width });
-        }
-        options.infill.check()?;
+        check(options)?;
+        let PathOptions { bead, min_gap: gap, join_distance, min_length, min_width, .. } = *options;
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
         let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted, walls.map(|walls| walls as usize));
         let inside: Vec<f64> = walls.map(|walls| spacing.inside(walls as usize)).unwrap_or_default();
@@ -128,39 +109,12 @@ impl LevelField<'_> {
         }
         let sets = self.sets(&spacing);
         step()?;
-        if sets.rings.iter().any(|ring| !ring.closed) {
-            return Err(PathError::NotToBoundary);
-        }
-        // A shorter ring would be a blot.
-        let loop_of = |ring| Loop::new(ring).filter(|on| on.length() >= bead);
-        let loops: Vec<Option<Loop>> = sets.rings.iter().map(loop_of).collect();
-        let chains = chains::chains(&sets, &loops, bead);
+        let nested = NestedRings::new(&sets, bead)?;
         let mesh = self.distance().mesh();
-        let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
-        let mut found = LayerPaths { regions, ..LayerPaths::default() };
         let mut curves = match options.pattern {
-            Pattern::Spirals => {
-                let rings = spirals::Rings { mesh, sets: &sets, spacing: &spacing, loops: &loops, bead };
-                let curves = spirals::connect(&rings, &chains, &watch)?.curves(mesh, &loops).into_iter();
-                let curve = |(points, region)| Curve { points, closed: false, region, least: THIN * bead };
-                curves.map(curve).collect::<Vec<_>>()
-            }
-            Pattern::Rings => {
-                let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r, chain.region)));
-                let curve = |(r, region): (u32, u32)| {
-                    let points = loops[r as usize].as_ref()?.points().to_vec();
-                    Some(Curve { points, closed: true, region, least: THIN * bead })
-                };
-                rings.filter_map(curve).collect()
-            }
-            Pattern::Zigzag => {
-                let rings = chains.iter().flat_map(|chain| chain.rings.iter().map(|&r| (r as usize, chain.region)));
-                let outer = rings.filter(|&(r, _)| sets.rings[r].level == 0);
-                let rim = |(r, region): (usize, u32)| Some(rows::Rim { on: loops[r].as_ref()?, region });
-                let rims: Vec<rows::Rim> = outer.filter_map(rim).collect();
-                let curves = zigzag::curves(self, &rims, bead)?.into_iter();
-                curves.map(|(points, closed, region)| Curve { points, closed, region, least: THIN * bead }).collect()
-            }
+            Pattern::Spirals => nested.spirals(mesh, &spacing, &watch)?,
+            Pattern::Rings => nested.rings(),
+            Pattern::Zigzag => nested.rows(self)?,
         };
         curves.sort_by_key(|curve| curve.region);
         step()?;
@@ -168,42 +122,37 @@ impl LevelField<'_> {
         step()?;
         let mut widths: Vec<Vec<f64>> = match fitted {
             true => widths::fitted(mesh, &spacing, &curves, bead, &watch)?,
-            false => curves.iter().map(|curve| vec![bead; curve.points.len()]).collect(),
+            false => even_widths(&curves, bead),
         };
         step()?;
+        // Single beads keep off the curves that are there. Rows keep off the boundary: what a ring along it would cover is theirs.
         let wanted = narrow::Wanted::usual(&spacing, [bead, gap]);
         let singles = match options.pattern {
-            // Rows keep off the boundary: what a ring along it would cover is theirs.
             Pattern::Zigzag => {
-                let outer = sets.rings.iter().zip(&loops).filter(|(ring, _)| ring.level == 0);
-                let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
-                let rims: Vec<Curve> = outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect();
-                let widths: Vec<Vec<f64>> = rims.iter().map(|rim| vec![bead; rim.points.len()]).collect();
-                narrow::single_beads(self, &wanted, &rims, &widths, &inside, &watch)?
+                let rims = nested.rims();
+                narrow::single_beads(self, &wanted, &rims, &even_widths(&rims, bead), &inside, &watch)?
             }
             _ => narrow::single_beads(self, &wanted, &curves, &widths, &inside, &watch)?,
         };
         step()?;
+        let mut found = LayerPaths { regions: nested.regions, ..LayerPaths::default() };
         for (points, width) in singles {
             curves.push(Curve { points, closed: false, region: found.regions as u32, least: 0.0 });
             widths.push(width);
             found.regions += 1;
         }
-        let kind = |at: &SurfacePoint| if walls.is_some() { BeadKind::Wall } else { self.kind(at, bead) };
-        let points = |points: Vec<SurfacePoint>, widths: Vec<f64>| -> Vec<PathPoint> {
-            points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width, kind: kind(&at) }).collect()
-        };
-        let path = |(curve, widths): (Curve, Vec<f64>)| SurfacePath {
-            points: points(curve.points, widths),
-            closed: curve.closed,
-            region: curve.region,
+        let path = |(Curve { points, closed, region, .. }, widths): (Curve, Vec<f64>)| SurfacePath {
+            points: self.path_points(points, widths, bead, walls.is_some()),
+            closed,
+            region,
         };
         let paths;
         let apart = curves.into_iter().zip(widths).map(path).collect();
         (paths, found.joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
+        // Strips too narrow for any bead get one in case something lies on them: they are regions after all others.
         let strips = narrow::strip_beads(self, &spacing, [bead, gap, min_width], &paths, &inside, &watch)?;
         let strip = |(k, (at, widths)): (u32, narrow::Single)| SurfacePath {
-            points: points(at, widths),
+            points: self.path_points(at, widths, bead, walls.is_some()),
             closed: false,
             region: found.regions as u32 + k,
         };
@@ -211,6 +160,12 @@ impl LevelField<'_> {
         (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
         found.unfilled = self.unfilled(&found.paths);
         Ok(Contours { paths: found, inside })
+    }
+
+    /// Points of a path with their widths. Where a layer is not filled solid all contours are walls.
+    fn path_points(&self, points: Vec<SurfacePoint>, widths: Vec<f64>, bead: f64, is_wall: bool) -> Vec<PathPoint> {
+        let kind = |at: &SurfacePoint| if is_wall { BeadKind::Wall } else { self.kind(at, bead) };
+        points.into_iter().zip(widths).map(|(at, width)| PathPoint { at, width, kind: kind(&at) }).collect()
     }
 
     /// What a bead of a layer that is filled solid is for.
@@ -228,7 +183,7 @@ impl LevelField<'_> {
     /// The greatest distance from the boundary.
     fn reach(&self, bead: f64) -> Result<f64, PathError> {
         let reach = self.values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-        if reach / bead > MOST_LEVELS as f64 {
+        if reach / bead > MAX_LEVELS as f64 {
             return Err(PathError::BeadTooSmall { bead, reach });
         }
         Ok(reach)
@@ -260,5 +215,97 @@ impl LevelField<'_> {
             }
         }
         found.into_iter().flatten().map(|(unfilled, _)| unfilled).collect()
+    }
+}
+
+/// Refuses options out of their ranges.
+fn check(options: &PathOptions) -> Result<(), PathError> {
+    let PathOptions { bead, min_gap: gap, join_distance, min_length, min_width, .. } = *options;
+    if !(bead > 0.0 && bead.is_finite()) {
+        return Err(PathError::Bead { bead });
+    }
+    let from_zero = |value: f64| value >= 0.0 && value.is_finite();
+    if !from_zero(gap) {
+        return Err(PathError::Gap { gap });
+    }
+    if !from_zero(join_distance) {
+        return Err(PathError::JoinDistance { beads: join_distance });
+    }
+    if !from_zero(min_length) {
+        return Err(PathError::MinLength { beads: min_length });
+    }
+    if !(narrow::LOWEST_MIN_WIDTH..=BEAD_WIDTHS[0]).contains(&min_width) {
+        return Err(PathError::MinWidth { beads: min_width });
+    }
+    options.infill.check()
+}
+
+/// The same width at all points of curves.
+fn even_widths(curves: &[Curve], bead: f64) -> Vec<Vec<f64>> {
+    curves.iter().map(|curve| vec![bead; curve.points.len()]).collect()
+}
+
+/// The rings of all levels, as loops by arc length and as chains of one inside the other.
+struct NestedRings<'a> {
+    sets: &'a LevelSets,
+    /// `None` for rings that are too short.
+    loops: Vec<Option<Loop>>,
+    chains: Vec<Chain>,
+    /// Connected regions: those of the chains.
+    regions: usize,
+    bead: f64,
+}
+
+impl<'a> NestedRings<'a> {
+    /// A ring that ends at the boundary means that the distance is not that to the whole boundary.
+    fn new(sets: &'a LevelSets, bead: f64) -> Result<Self, PathError> {
+        if sets.rings.iter().any(|ring| !ring.closed) {
+            return Err(PathError::NotToBoundary);
+        }
+        // A shorter ring would be a blot.
+        let loop_of = |ring| Loop::new(ring).filter(|on| on.length() >= bead);
+        let loops: Vec<Option<Loop>> = sets.rings.iter().map(loop_of).collect();
+        let chains = chains::chains(sets, &loops, bead);
+        let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
+        Ok(NestedRings { sets, loops, chains, regions, bead })
+    }
+
+    /// Rings of chains, each with its region.
+    fn of_chains(&self) -> impl Iterator<Item = (usize, u32)> {
+        self.chains.iter().flat_map(|chain| chain.rings.iter().map(|&ring| (ring as usize, chain.region)))
+    }
+
+    /// [`Pattern::Spirals`]: the rings of each region as one curve, cut open and bridged.
+    fn spirals(&self, mesh: &SurfaceMesh, spacing: &Spacing, watch: Watch) -> Result<Vec<Curve>, PathError> {
+        let rings = spirals::Rings { mesh, sets: self.sets, spacing, loops: &self.loops, bead: self.bead };
+        let curves = spirals::connect(&rings, &self.chains, watch)?.curves(mesh, &self.loops).into_iter();
+        let curve = |(points, region)| Curve { points, closed: false, region, least: THIN * self.bead };
+        Ok(curves.map(curve).collect())
+    }
+
+    /// [`Pattern::Rings`]: each ring as a closed curve.
+    fn rings(&self) -> Vec<Curve> {
+        let curve = |(ring, region): (usize, u32)| {
+            let points = self.loops[ring].as_ref()?.points().to_vec();
+            Some(Curve { points, closed: true, region, least: THIN * self.bead })
+        };
+        self.of_chains().filter_map(curve).collect()
+    }
+
+    /// [`Pattern::Zigzag`]: rows between the outermost rings.
+    fn rows(&self, field: &LevelField) -> Result<Vec<Curve>, PathError> {
+        let outer = self.of_chains().filter(|&(ring, _)| self.sets.rings[ring].level == 0);
+        let rim = |(ring, region): (usize, u32)| Some(rows::Rim { on: self.loops[ring].as_ref()?, region });
+        let rims: Vec<rows::Rim> = outer.filter_map(rim).collect();
+        let curves = zigzag::curves(field, &rims, self.bead)?.into_iter();
+        let curve = |(points, closed, region)| Curve { points, closed, region, least: THIN * self.bead };
+        Ok(curves.map(curve).collect())
+    }
+
+    /// The outermost rings, which rows leave bare.
+    fn rims(&self) -> Vec<Curve> {
+        let outer = self.sets.rings.iter().zip(&self.loops).filter(|(ring, _)| ring.level == 0);
+        let curve = |on: &Loop| Curve { points: on.points().to_vec(), closed: true, region: 0, least: 0.0 };
+        outer.filter_map(|(_, on)| on.as_ref().map(curve)).collect()
     }
 }

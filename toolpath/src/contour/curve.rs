@@ -1,9 +1,7 @@
 //! Rings by arc length, and points of the surface near a point in space.
 
 use crate::level_set::Ring;
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
-use crate::mesh::on_mesh_triangle;
+use crate::mesh::{SurfaceMesh, SurfacePoint, on_mesh_triangle};
 use nalgebra::{Point3, Vector3};
 
 /// Points of a ring nearer together than this share of its length count as one.

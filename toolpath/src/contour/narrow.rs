@@ -15,9 +15,7 @@ use super::segments::Segments;
 use super::spacing::{BEAD_WIDTHS, Spacing};
 use super::watch::Watch;
 use crate::level_set::{Around, LevelField};
-use crate::mesh::SurfacePoint;
-use crate::mesh::on_segment;
-use crate::mesh::previous;
+use crate::mesh::{SurfacePoint, on_segment, previous};
 use crate::path::{PathError, SurfacePath};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -42,10 +40,10 @@ const UNIFORM_MAX_BOUNDARY_DISTANCE: f64 = 0.66;
 /// dot.
 const SINGLE_MIN_LENGTH: f64 = 1.0;
 /// Vertices with clearance are this far from other curves, in beads: half the least width and the least clearance. An edge between
-/// two of them that is shorter than twice this crosses none. Narrow strips of [`LEAST_MIN_WIDTH`] have just that.
+/// two of them that is shorter than twice this crosses none. Narrow strips of [`LOWEST_MIN_WIDTH`] have just that.
 const MIN_CURVE_DISTANCE: f64 = 0.5;
 /// The least width of a bead that may be asked for, in beads.
-pub(super) const LEAST_MIN_WIDTH: f64 = 0.25;
+pub(super) const LOWEST_MIN_WIDTH: f64 = 0.25;
 
 /// Shortest paths: for each vertex what it costs, how long the path is, and the vertex before.
 type Reached = Vec<Option<(f64, f64, u32)>>;
@@ -122,7 +120,7 @@ pub(super) fn single_beads(
     watch: Watch,
 ) -> Result<Vec<Single>, PathError> {
     let &Wanted { bead, clearance: [least, shallow], most, shortest, widths: [narrowest, widest], gap } = wanted;
-    let beside = Beside { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead) };
+    let beside = OtherCurves { curves, widths, segments: Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead) };
     let room = |v: u32| match field.values[v as usize] {
         _ if inside.get(v as usize).is_some_and(|&inside| inside > 0.0) => 0.0,
         value if value >= least && value < most => beside.room(field.points[v as usize], value, shallow),
@@ -189,13 +187,13 @@ fn apart(points: impl Iterator<Item = (SurfacePoint, f64)>, least: f64) -> Singl
 }
 
 /// Curves that are there already.
-struct Beside<'a> {
+struct OtherCurves<'a> {
     curves: &'a [Curve],
     widths: &'a [Vec<f64>],
     segments: Segments,
 }
 
-impl Beside<'_> {
+impl OtherCurves<'_> {
     /// How far a point is from the beads around it, at most `most`; zero if it is nearer than `least`.
     fn room(&self, p: nalgebra::Point3<f64>, most: f64, least: f64) -> f64 {
         let mut room = most;
@@ -218,7 +216,7 @@ struct Graph<'a, 'd> {
     around: Around,
     /// How far each vertex is from the boundary and from beads; zero where that is too little.
     room: Vec<f64>,
-    beside: Beside<'a>,
+    beside: OtherCurves<'a>,
     /// Edges shorter than this between vertices with room cross no curve.
     safe: f64,
 }

@@ -83,7 +83,7 @@ pub(crate) fn joined(mesh: &SurfaceMesh, rows: &[Row], rims: &[Rim], longest: f6
             continue;
         };
         let region = rows[first].ends.iter().flatten().next().map(|end| rims[end.0].region);
-        // Closed ones touch no rim; the nearest one tells the region.
+        // Closed ones touch no rim; the nearest one gives the region.
         let region = region.unwrap_or_else(|| nearest_region(rims, &rows[first]));
         let mut points = Vec::new();
         let (mut row, mut entry) = (first, entry);

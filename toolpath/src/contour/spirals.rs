@@ -26,7 +26,7 @@
 //! rings run side by side best. Where no line crosses all rings, a chain is joined to itself half way in; where no bridge
 //! is found for a single ring, it becomes a curve of its own, or gives way to a single bead if it is very small.
 
-use super::chains::{Beside, Chain};
+use super::chains::{Chain, ParentSide};
 use super::crossing::{cross, crosses_itself};
 use super::curve::{Loop, locate};
 use super::plan::{End, Plan, Side};
@@ -91,7 +91,7 @@ pub(super) struct Rings<'a> {
 /// Spirals for all chains.
 pub(super) fn connect(rings: &Rings, chains: &[Chain], watch: Watch) -> Result<Plan, PathError> {
     let taken = vec![Vec::new(); rings.sets.bands.len()];
-    let mut weaver = Weaver { rings, plan: Plan::new(rings.loops.len()), taken };
+    let mut weaver = SpiralConnector { rings, plan: Plan::new(rings.loops.len()), taken };
     // Children first: they have less choice.
     for chain in chains.iter().rev() {
         watch()?;
@@ -141,17 +141,17 @@ fn cut_shares(k: usize, last: usize, parented: bool) -> [f64; 2] {
 /// A bridge by stations: the number of its lower node, how far along the windows, and how far up to the next node.
 type Stations = Vec<(usize, f64, f64)>;
 
-struct Weaver<'a> {
+struct SpiralConnector<'a> {
     rings: &'a Rings<'a>,
     plan: Plan,
     /// Points of bridges in each band.
     taken: Vec<Vec<Point3<f64>>>,
 }
 
-impl<'a> Weaver<'a> {
+impl<'a> SpiralConnector<'a> {
     /// Joins rings of a chain to one of their parents, or makes a curve of its own of them if there is none. Where no
     /// line crosses all of them, the inner half is joined to the outer half at another place.
-    fn join(&mut self, rings: &[u32], parents: &[(u32, Beside)], chain: &Chain) {
+    fn join(&mut self, rings: &[u32], parents: &[(u32, ParentSide)], chain: &Chain) {
         let joined = match (parents, rings) {
             ([], [_]) => false,
             ([], _) => self.weave(rings, chain, None),
@@ -168,8 +168,8 @@ impl<'a> Weaver<'a> {
             [ring] => self.open(*ring, chain),
             _ => {
                 let (outer, inner) = rings.split_at(rings.len() / 2);
-                let beside = if chain.rises { Beside::Above } else { Beside::Below };
-                let last: Vec<(u32, Beside)> = outer.last().map(|&ring| (ring, beside)).into_iter().collect();
+                let beside = if chain.rises { ParentSide::Above } else { ParentSide::Below };
+                let last: Vec<(u32, ParentSide)> = outer.last().map(|&ring| (ring, beside)).into_iter().collect();
                 self.join(inner, &last, chain);
                 self.join(outer, parents, chain);
             }
@@ -193,7 +193,7 @@ impl<'a> Weaver<'a> {
 
     /// Finds places for the windows of rings, the first of which is the parent if `beside` is given, and cuts and
     /// bridges them. Says whether that was possible.
-    fn weave(&mut self, rings: &[u32], chain: &Chain, beside: Option<Beside>) -> bool {
+    fn weave(&mut self, rings: &[u32], chain: &Chain, beside: Option<ParentSide>) -> bool {
         let lines = self.lines(rings, chain, beside);
         let windows = if beside.is_some() && rings.len() == 2 { &PAIR_HALF_WINDOWS[..] } else { &HALF_WINDOWS[..] };
         for &window in windows {
@@ -218,13 +218,13 @@ impl<'a> Weaver<'a> {
     }
 
     /// Lines across all rings: a place on each.
-    fn lines(&self, rings: &[u32], chain: &Chain, beside: Option<Beside>) -> Vec<Vec<f64>> {
+    fn lines(&self, rings: &[u32], chain: &Chain, beside: Option<ParentSide>) -> Vec<Vec<f64>> {
         let loops: Option<Vec<&Loop>> = rings.iter().map(|&r| self.rings.loops[r as usize].as_ref()).collect();
         let Some(loops) = loops else { return Vec::new() };
         // Lines lead down, where they are sure to arrive.
         let first = match beside {
             _ if chain.rises => rings.len() - 1,
-            Some(Beside::Across) => 1,
+            Some(ParentSide::Across) => 1,
             _ => 0,
         };
         let length = loops[first].length();
@@ -248,7 +248,7 @@ impl<'a> Weaver<'a> {
         (0..count).filter_map(line).collect()
     }
 
-    fn nodes(&self, rings: &[u32], places: &[f64], half: f64, beside: Option<Beside>) -> Vec<Node<'a>> {
+    fn nodes(&self, rings: &[u32], places: &[f64], half: f64, beside: Option<ParentSide>) -> Vec<Node<'a>> {
         let pair = rings.len() == 2 && beside.is_some();
         let node = |(k, (&ring, &place)): (usize, (&u32, &f64))| {
             let on = self.rings.loops[ring as usize].as_ref()?;
@@ -257,7 +257,7 @@ impl<'a> Weaver<'a> {
             let half = half * if pair { width() } else { self.rings.bead };
             let half = half.min(on.length() * MAX_HALF_WINDOW_SHARE);
             // Rings have what is higher on their left: across a ridge they run in opposite directions.
-            let half = if k == 0 && beside == Some(Beside::Across) { -half } else { half };
+            let half = if k == 0 && beside == Some(ParentSide::Across) { -half } else { half };
             let level = self.rings.sets.rings[ring as usize].level;
             Some(Node { on, ring, level, place, half })
         };
@@ -362,7 +362,7 @@ impl<'a> Weaver<'a> {
         Some(laid)
     }
 
-    /// Whether a bridge crosses itself or what is left of the rings that it joins: levels alone do not tell, where a ring
+    /// Whether a bridge crosses itself or what is left of the rings that it joins: levels alone do not decide it, where a ring
     /// turns back on itself. Bridges have the numbers of [`Self::stations`].
     fn crosses(&self, nodes: &[Node], number: usize, parented: bool, points: &[SurfacePoint]) -> bool {
         let last = nodes.len() - 1;

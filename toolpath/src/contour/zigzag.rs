@@ -22,9 +22,7 @@ use super::cut::{Cut, across};
 use super::rows::{Rim, Row, RowCurve, end, joined};
 use crate::geodesic::{Sources, SurfaceDistance};
 use crate::level_set::{LevelField, Ring};
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
-use crate::mesh::on_mesh_triangle;
+use crate::mesh::{SurfaceMesh, SurfacePoint, on_mesh_triangle};
 use crate::path::PathError;
 use std::ops::ControlFlow;
 

@@ -5,6 +5,8 @@
 
 use super::fill::Stroke;
 use super::overlap::Region;
+use nalgebra::{Point2, Vector2};
+use std::ops::Range;
 
 /// Cells across a bead.
 const CELLS_PER_BEAD: f64 = 10.0;
@@ -56,7 +58,7 @@ pub enum CoverageError {
 /// # Ok::<(), curvlay_toolpath::drawing::CoverageError>(())
 /// ```
 pub fn coverage(regions: &[Region], strokes: &[Stroke]) -> Result<Coverage, CoverageError> {
-    let finite = |p: &nalgebra::Point2<f64>| p.x.is_finite() && p.y.is_finite();
+    let finite = |p: &Point2<f64>| p.x.is_finite() && p.y.is_finite();
     let sound = regions.iter().flat_map(Region::rings).flatten().all(finite)
         && strokes
             .iter()
@@ -64,75 +66,104 @@ pub fn coverage(regions: &[Region], strokes: &[Stroke]) -> Result<Coverage, Cove
     if !sound {
         return Err(CoverageError::NotFinite);
     }
-    let narrowest = strokes.iter().map(|stroke| stroke.width).fold(f64::INFINITY, f64::min);
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let mut extend = |x: f64, y: f64, margin: f64| {
-        (low[0], low[1]) = (low[0].min(x - margin), low[1].min(y - margin));
-        (high[0], high[1]) = (high[0].max(x + margin), high[1].max(y + margin));
-    };
-    regions.iter().flat_map(Region::rings).flatten().for_each(|p| extend(p.x, p.y, 0.0));
-    strokes.iter().for_each(|stroke| stroke.points.iter().for_each(|p| extend(p.x, p.y, 0.5 * stroke.width)));
-    let [width, height] = [high[0] - low[0], high[1] - low[1]];
-    if !(width > 0.0 && height > 0.0) {
-        return Ok(Coverage::default());
-    }
-    let cell = if narrowest.is_finite() { narrowest / CELLS_PER_BEAD } else { width.max(height) / 1000.0 };
-    let cell = cell.max((width * height / MAX_CELLS).sqrt()).max(width.max(height) / MAX_CELLS);
-    let [columns, rows] = [width, height].map(|side| (side / cell).ceil() as usize + 1);
-    let middle = |k: usize, axis: usize| low[axis] + (k as f64 + 0.5) * cell;
-
-    let mut inside = vec![false; columns * rows];
+    let Some(mut raster) = Raster::over(regions, strokes) else { return Ok(Coverage::default()) };
+    let mut inside = vec![false; raster.last.len()];
     for region in regions {
-        mark_inside(region, low, cell, columns, rows, &mut inside);
+        mark_inside(region, raster.low, raster.cell, raster.size[0], raster.size[1], &mut inside);
     }
-    // The last stroke that covered a cell with its place along it, plus one; 0: none. Then whether it is covered twice.
-    let mut last: Vec<(u32, f32)> = vec![(0, 0.0); columns * rows];
-    let mut twice = vec![false; columns * rows];
-    for (number, stroke) in strokes.iter().enumerate() {
-        let number = number as u32 + 1;
-        let half = 0.5 * stroke.width;
+    strokes.iter().zip(1..).for_each(|(stroke, number)| raster.lay(stroke, number));
+    let count = |counts: &dyn Fn(bool, (u32, f32), bool) -> bool| {
+        let cells = inside.iter().zip(&raster.last).zip(&raster.twice);
+        cells.filter(|&((&within, &last), &twice)| counts(within, last, twice)).count() as f64
+    };
+    let all = count(&|within, _, _| within);
+    let share = |count: f64| if all > 0.0 { count / all } else { 0.0 };
+    Ok(Coverage {
+        cell_mm: raster.cell,
+        covered: share(count(&|within, last, _| within && last.0 != 0)),
+        overlap: share(count(&|within, _, twice| within && twice)),
+        outside: share(count(&|within, last, _| !within && last.0 != 0)),
+    })
+}
+
+/// Cells over regions and strokes, and what covers each.
+struct Raster {
+    low: [f64; 2],
+    cell: f64,
+    /// Columns and rows.
+    size: [usize; 2],
+    /// The last stroke that covered a cell, counted from 1, and the place along it; 0: no stroke.
+    last: Vec<(u32, f32)>,
+    /// Whether it is covered twice.
+    twice: Vec<bool>,
+}
+
+impl Raster {
+    /// Nothing is covered yet. `None` if regions and strokes have no extent.
+    fn over(regions: &[Region], strokes: &[Stroke]) -> Option<Raster> {
+        let narrowest = strokes.iter().map(|stroke| stroke.width).fold(f64::INFINITY, f64::min);
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let mut extend = |x: f64, y: f64, margin: f64| {
+            (low[0], low[1]) = (low[0].min(x - margin), low[1].min(y - margin));
+            (high[0], high[1]) = (high[0].max(x + margin), high[1].max(y + margin));
+        };
+        regions.iter().flat_map(Region::rings).flatten().for_each(|p| extend(p.x, p.y, 0.0));
+        strokes.iter().for_each(|stroke| stroke.points.iter().for_each(|p| extend(p.x, p.y, 0.5 * stroke.width)));
+        let [width, height] = [high[0] - low[0], high[1] - low[1]];
+        if !(width > 0.0 && height > 0.0) {
+            return None;
+        }
+        let cell = if narrowest.is_finite() { narrowest / CELLS_PER_BEAD } else { width.max(height) / 1000.0 };
+        let cell = cell.max((width * height / MAX_CELLS).sqrt()).max(width.max(height) / MAX_CELLS);
+        let size = [width, height].map(|side| (side / cell).ceil() as usize + 1);
+        let cells = size[0] * size[1];
+        Some(Raster { low, cell, size, last: vec![(0, 0.0); cells], twice: vec![false; cells] })
+    }
+
+    /// Covers the cells under a stroke, segment by segment.
+    fn lay(&mut self, stroke: &Stroke, number: u32) {
         let total = stroke.length();
         let back = stroke.points[..usize::from(stroke.closed).min(stroke.points.len())].iter();
         let ends = stroke.points.iter().skip(1).chain(back);
         let mut along = 0.0;
         for (a, b) in stroke.points.iter().zip(ends) {
-            let edge = b - a;
-            let length = edge.norm();
-            let range = |from: f64, to: f64, axis: usize, most: usize| {
-                let at = |x: f64| (x - low[axis]) / cell - 0.5;
-                (at(from).ceil().max(0.0) as usize)..((at(to).floor() + 1.0).max(0.0) as usize).min(most)
-            };
-            let across = range(a.x.min(b.x) - half, a.x.max(b.x) + half, 0, columns);
-            for y in range(a.y.min(b.y) - half, a.y.max(b.y) + half, 1, rows) {
-                for x in across.clone() {
-                    let to = nalgebra::Vector2::new(middle(x, 0) - a.x, middle(y, 1) - a.y);
-                    let share = if length > 0.0 { (to.dot(&edge) / (length * length)).clamp(0.0, 1.0) } else { 0.0 };
-                    if (to - edge * share).norm_squared() > half * half {
-                        continue;
-                    }
-                    let (at, place) = (x + columns * y, along + share * length);
-                    let (stroke_before, place_before) = last[at];
-                    if stroke_before != 0 {
-                        let apart = (place - f64::from(place_before)).abs();
-                        let apart = if stroke.closed { apart.min(total - apart) } else { apart };
-                        twice[at] |= stroke_before != number || apart > SAME_BEAD * stroke.width;
-                    }
-                    last[at] = (number, place as f32);
-                }
-            }
-            along += length;
+            self.lay_segment(stroke, number, [*a, *b], [along, total]);
+            along += (b - a).norm();
         }
     }
-    let mut counts = [0u64; 4];
-    for (at, &within) in inside.iter().enumerate() {
-        let covered = last[at].0 != 0;
-        counts[0] += u64::from(within);
-        counts[1] += u64::from(within && covered);
-        counts[2] += u64::from(within && twice[at]);
-        counts[3] += u64::from(!within && covered);
+
+    /// Cells along an axis whose middles are between two coordinates.
+    fn range(&self, from: f64, to: f64, axis: usize) -> Range<usize> {
+        let at = |x: f64| (x - self.low[axis]) / self.cell - 0.5;
+        (at(from).ceil().max(0.0) as usize)..((at(to).floor() + 1.0).max(0.0) as usize).min(self.size[axis])
     }
-    let share = |count: u64| if counts[0] > 0 { count as f64 / counts[0] as f64 } else { 0.0 };
-    Ok(Coverage { cell_mm: cell, covered: share(counts[1]), overlap: share(counts[2]), outside: share(counts[3]) })
+
+    /// Covers the cells under a segment that begins at a length along a stroke of some length. A cell is covered twice by two strokes, or by
+    /// one at places that are far apart along it.
+    fn lay_segment(&mut self, stroke: &Stroke, number: u32, [a, b]: [Point2<f64>; 2], [along, total]: [f64; 2]) {
+        let half = 0.5 * stroke.width;
+        let edge = b - a;
+        let length = edge.norm();
+        let middle = |k: usize, axis: usize| self.low[axis] + (k as f64 + 0.5) * self.cell;
+        let across = self.range(a.x.min(b.x) - half, a.x.max(b.x) + half, 0);
+        for y in self.range(a.y.min(b.y) - half, a.y.max(b.y) + half, 1) {
+            for x in across.clone() {
+                let to = Vector2::new(middle(x, 0) - a.x, middle(y, 1) - a.y);
+                let share = if length > 0.0 { (to.dot(&edge) / (length * length)).clamp(0.0, 1.0) } else { 0.0 };
+                if (to - edge * share).norm_squared() > half * half {
+                    continue;
+                }
+                let (at, place) = (x + self.size[0] * y, along + share * length);
+                let (stroke_before, place_before) = self.last[at];
+                if stroke_before != 0 {
+                    let apart = (place - f64::from(place_before)).abs();
+                    let apart = if stroke.closed { apart.min(total - apart) } else { apart };
+                    self.twice[at] |= stroke_before != number || apart > SAME_BEAD * stroke.width;
+                }
+                self.last[at] = (number, place as f32);
+            }
+        }
+    }
 }
 
 /// Marks the cells whose middles lie in a region: by rows, between pairs of crossings. An edge meets a row if one of its ends lies

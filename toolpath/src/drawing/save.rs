@@ -166,9 +166,11 @@ pub fn load_drawing(mut input: impl BufRead) -> Result<Drawing, LoadError> {
             return Err(if number == 0 { LoadError::Head } else { LoadError::Truncated { line: number } });
         }
         number += 1;
-        let wrong = |what: &str| LoadError::Line { line: number, what: what.to_owned() };
-        let text = std::str::from_utf8(&bytes)
-            .map_err(|_| if number == 1 { LoadError::Head } else { wrong("it is not UTF-8") })?;
+        let not_text = |_| match number {
+            1 => LoadError::Head,
+            line => LoadError::Line { line, what: "it is not UTF-8".to_owned() },
+        };
+        let text = std::str::from_utf8(&bytes).map_err(not_text)?;
         let text = text.strip_suffix('\n').unwrap_or(text);
         let text = text.strip_suffix('\r').unwrap_or(text);
         if number == 1 {
@@ -178,91 +180,127 @@ pub fn load_drawing(mut input: impl BufRead) -> Result<Drawing, LoadError> {
             continue;
         }
         let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
-        let string = |text: &str| unescaped(text).ok_or_else(|| wrong("a backslash must come before `\\`, `n` or `r`"));
-        let values = || -> Result<Vec<f64>, LoadError> {
-            let value = |word: &str| word.parse().ok().filter(|value: &f64| value.is_finite());
-            let all: Option<Vec<f64>> = rest.split_ascii_whitespace().map(value).collect();
-            all.ok_or_else(|| wrong("a number is not one, or not finite"))
-        };
-        let no_entity = || wrong("it belongs to an entity, and there is none yet");
-        match word {
-            "end" => return Ok(drawing),
-            "unit_mm" => match values()?.as_slice() {
-                [unit_mm] => drawing.unit_mm = Some(*unit_mm),
-                _ => return Err(wrong("it must have one number")),
-            },
+        if word == "end" {
+            return Ok(drawing);
+        }
+        Line { number, word, rest }.read_into(&mut drawing)?;
+    }
+}
+
+/// A line of the file after the first.
+struct Line<'a> {
+    number: u64,
+    /// What it gives: its first word.
+    word: &'a str,
+    rest: &'a str,
+}
+
+impl Line<'_> {
+    fn wrong(&self, what: &str) -> LoadError {
+        LoadError::Line { line: self.number, what: what.to_owned() }
+    }
+
+    fn string(&self, text: &str) -> Result<String, LoadError> {
+        unescaped(text).ok_or_else(|| self.wrong("a backslash must come before `\\`, `n` or `r`"))
+    }
+
+    fn numbers(&self) -> Result<Vec<f64>, LoadError> {
+        let value = |word: &str| word.parse().ok().filter(|value: &f64| value.is_finite());
+        let all: Option<Vec<f64>> = self.rest.split_ascii_whitespace().map(value).collect();
+        all.ok_or_else(|| self.wrong("a number is not one, or not finite"))
+    }
+
+    /// So many numbers; `wanted` says how many.
+    fn exactly<const N: usize>(&self, wanted: &str) -> Result<[f64; N], LoadError> {
+        self.numbers()?.try_into().map_err(|_| self.wrong(wanted))
+    }
+
+    /// The entity that the line belongs to: the last one.
+    fn entity<'d>(&self, drawing: &'d mut Drawing) -> Result<&'d mut Entity, LoadError> {
+        drawing.entities.last_mut().ok_or_else(|| self.wrong("it belongs to an entity, but no entity precedes it"))
+    }
+
+    /// Adds what the line gives to the drawing.
+    fn read_into(&self, drawing: &mut Drawing) -> Result<(), LoadError> {
+        match self.word {
+            "unit_mm" => drawing.unit_mm = Some(self.exactly::<1>("it must have one number")?[0]),
             "skipped" => {
-                let parts = rest.split_once(' ').and_then(|(count, kind)| Some((kind, count.parse().ok()?)));
-                let (kind, count) = parts.ok_or_else(|| wrong("it must have a number and a kind"))?;
-                drawing.skipped.push(Skipped { what: string(kind)?, count, places: Vec::new() });
+                let parts = self.rest.split_once(' ').and_then(|(count, kind)| Some((kind, count.parse().ok()?)));
+                let (kind, count) = parts.ok_or_else(|| self.wrong("it must have a number and a kind"))?;
+                drawing.skipped.push(Skipped { what: self.string(kind)?, count, places: Vec::new() });
             }
             "at" => match drawing.skipped.last_mut() {
-                Some(skipped) => skipped.places.push(string(rest)?),
-                None => return Err(wrong("it belongs to what is skipped, and there is nothing yet")),
+                Some(skipped) => skipped.places.push(self.string(self.rest)?),
+                None => return Err(self.wrong("it belongs to what is skipped, and there is nothing yet")),
             },
-            "note" => drawing.notes.push(string(rest)?),
-            "entity" => {
-                let parts = rest.split_once(' ').and_then(|(line, state)| Some((line.parse().ok()?, state)));
-                let (line, closed) = match parts {
-                    Some((line, "open")) => (line, false),
-                    Some((line, "closed")) => (line, true),
-                    _ => return Err(wrong("it must have the number of a line, and `open` or `closed`")),
-                };
-                drawing.entities.push(Entity {
-                    kind: String::new(),
-                    layer: String::new(),
-                    line,
-                    curves: vec![],
-                    closed,
-                    fill: None,
-                });
-            }
+            "note" => drawing.notes.push(self.string(self.rest)?),
+            "entity" => drawing.entities.push(self.new_entity()?),
             "path" => {
-                let fill = match rest.split_once(' ').map(|(path, rule)| (path.parse(), rule)) {
-                    Some((Ok(path), "nonzero")) => PathFill { path, rule: FillRule::NonZero },
-                    Some((Ok(path), "evenodd")) => PathFill { path, rule: FillRule::EvenOdd },
-                    _ => return Err(wrong("it must have a number, and `nonzero` or `evenodd`")),
-                };
-                drawing.entities.last_mut().ok_or_else(no_entity)?.fill = Some(fill);
+                let fill = self.fill()?;
+                self.entity(drawing)?.fill = Some(fill);
             }
-            "kind" => drawing.entities.last_mut().ok_or_else(no_entity)?.kind = string(rest)?,
-            "layer" => drawing.entities.last_mut().ok_or_else(no_entity)?.layer = string(rest)?,
-            "line" => match *values()?.as_slice() {
-                [a, b, c, d] => {
-                    let curve = Curve::Line { from: Point2::new(a, b), to: Point2::new(c, d) };
-                    drawing.entities.last_mut().ok_or_else(no_entity)?.curves.push(curve);
-                }
-                _ => return Err(wrong("it must have four numbers")),
-            },
-            "arc" => match *values()?.as_slice() {
-                [x, y, ux, uy, vx, vy, from, sweep] => {
-                    let (u, v) = (Vector2::new(ux, uy), Vector2::new(vx, vy));
-                    let curve = Curve::Arc { centre: Point2::new(x, y), u, v, from, sweep };
-                    drawing.entities.last_mut().ok_or_else(no_entity)?.curves.push(curve);
-                }
-                _ => return Err(wrong("it must have eight numbers")),
-            },
-            "spline" => {
-                let degree = rest.trim().parse().map_err(|_| wrong("it must have a degree"))?;
-                let curve = Curve::Spline { degree, knots: vec![], points: vec![], weights: vec![] };
-                drawing.entities.last_mut().ok_or_else(no_entity)?.curves.push(curve);
+            "kind" => self.entity(drawing)?.kind = self.string(self.rest)?,
+            "layer" => self.entity(drawing)?.layer = self.string(self.rest)?,
+            "line" | "arc" | "spline" => {
+                let curve = self.curve()?;
+                self.entity(drawing)?.curves.push(curve);
             }
-            "knots" | "points" | "weights" => {
-                let all = values()?;
-                let curve = drawing.entities.last_mut().and_then(|entity| entity.curves.last_mut());
-                let Some(Curve::Spline { knots, points, weights, .. }) = curve else {
-                    return Err(wrong("it belongs to a spline, and there is none before it"));
-                };
-                match word {
-                    "knots" => *knots = all,
-                    "weights" => *weights = all,
-                    _ if all.len().is_multiple_of(2) => {
-                        *points = all.chunks(2).map(|p| Point2::new(p[0], p[1])).collect()
-                    }
-                    _ => return Err(wrong("points have two numbers each")),
-                }
-            }
-            _ => return Err(wrong("its first word is unknown")),
+            "knots" | "points" | "weights" => self.read_into_spline(drawing)?,
+            _ => return Err(self.wrong("its first word is unknown")),
         }
+        Ok(())
+    }
+
+    /// An entity whose other lines follow.
+    fn new_entity(&self) -> Result<Entity, LoadError> {
+        let parts = self.rest.split_once(' ').and_then(|(line, state)| Some((line.parse().ok()?, state)));
+        let (line, closed) = match parts {
+            Some((line, "open")) => (line, false),
+            Some((line, "closed")) => (line, true),
+            _ => return Err(self.wrong("it must have the number of a line, and `open` or `closed`")),
+        };
+        Ok(Entity { kind: String::new(), layer: String::new(), line, curves: vec![], closed, fill: None })
+    }
+
+    fn fill(&self) -> Result<PathFill, LoadError> {
+        match self.rest.split_once(' ').map(|(path, rule)| (path.parse(), rule)) {
+            Some((Ok(path), "nonzero")) => Ok(PathFill { path, rule: FillRule::NonZero }),
+            Some((Ok(path), "evenodd")) => Ok(PathFill { path, rule: FillRule::EvenOdd }),
+            _ => Err(self.wrong("it must have a number, and `nonzero` or `evenodd`")),
+        }
+    }
+
+    /// A curve; of a spline the degree, whose other lines follow.
+    fn curve(&self) -> Result<Curve, LoadError> {
+        Ok(match self.word {
+            "line" => {
+                let [a, b, c, d] = self.exactly("it must have four numbers")?;
+                Curve::Line { from: Point2::new(a, b), to: Point2::new(c, d) }
+            }
+            "arc" => {
+                let [x, y, ux, uy, vx, vy, from, sweep] = self.exactly("it must have eight numbers")?;
+                Curve::Arc { centre: Point2::new(x, y), u: Vector2::new(ux, uy), v: Vector2::new(vx, vy), from, sweep }
+            }
+            _ => {
+                let degree = self.rest.trim().parse().map_err(|_| self.wrong("it must have a degree"))?;
+                Curve::Spline { degree, knots: vec![], points: vec![], weights: vec![] }
+            }
+        })
+    }
+
+    /// Numbers of the last curve, which is a spline.
+    fn read_into_spline(&self, drawing: &mut Drawing) -> Result<(), LoadError> {
+        let all = self.numbers()?;
+        let curve = drawing.entities.last_mut().and_then(|entity| entity.curves.last_mut());
+        let Some(Curve::Spline { knots, points, weights, .. }) = curve else {
+            return Err(self.wrong("it belongs to a spline, but no spline precedes it"));
+        };
+        match self.word {
+            "knots" => *knots = all,
+            "weights" => *weights = all,
+            _ if all.len().is_multiple_of(2) => *points = all.chunks(2).map(|p| Point2::new(p[0], p[1])).collect(),
+            _ => return Err(self.wrong("points have two numbers each")),
+        }
+        Ok(())
     }
 }

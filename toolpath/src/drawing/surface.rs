@@ -244,7 +244,7 @@ pub fn distortion(surface: &impl Surface, projection: Projection, points: &[Poin
     out
 }
 
-/// A surface `z = height(x, y)` of any kind, which ends where the height is none or not finite.
+/// A surface `z = height(x, y)` of any kind, which ends where there is no height or it is not finite.
 #[derive(Clone, Copy, Debug)]
 pub struct HeightField<F> {
     height: F,

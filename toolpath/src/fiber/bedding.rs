@@ -12,7 +12,7 @@
 
 use super::head::LayerTapes;
 use super::tape::Tape;
-use crate::Progress;
+use crate::ProgressFn;
 use crate::beads::{BeadGrid, Section, nearest_share};
 use crate::cells::{cell_of, with_neighbours};
 use crate::orientation::{ToolPath, Waypoint};
@@ -21,10 +21,9 @@ use crate::support::{SupportError, SupportOptions, check_support};
 use crate::union_find::{join, root};
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::collections::HashMap;
-use std::ops::ControlFlow;
 
 /// More strands than this are refused: the layer height is a slip of the unit.
-const MOST_STRANDS: f64 = 1e4;
+const MAX_STRANDS: f64 = 1e4;
 
 /// The roller that lays tapes, in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +113,7 @@ pub enum BeddingError {
         /// The tape, from 0.
         tape: usize,
     },
-    /// A roller that is none.
+    /// The roller is invalid.
     #[error("the roller is {diameter} mm thick and {width} mm wide: both must be above 0 and finite")]
     Roller {
         /// Its diameter.
@@ -180,10 +179,10 @@ pub fn tape_bedding(
     layer_height: f64,
     roller: &Roller,
     options: &SupportOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<TapeBedding, BeddingError> {
     check(paths, tapes, layer_height, roller)?;
-    let laid = Laid::of(paths, tapes, layer_height);
+    let laid = BeadsAndStrands::of(paths, tapes, layer_height);
     let options = SupportOptions { span_hold: f64::INFINITY, ..*options };
     let below = check_support(&laid.paths, layer_height, &options, progress)?;
     // The world upside down: what comes later and is above is laid before and is below.
@@ -240,7 +239,7 @@ fn check(paths: &[ToolPath], tapes: &[LayerTapes], layer_height: f64, roller: &R
                 return Err(BeddingError::Tape { layer: list.layer, tape: number });
             }
             let strands = (tape.width / layer_height).ceil();
-            if strands > MOST_STRANDS {
+            if strands > MAX_STRANDS {
                 return Err(BeddingError::Strands { width: tape.width, height: layer_height, strands });
             }
         }
@@ -263,15 +262,15 @@ impl Strand {
 }
 
 /// Beads and strands in the order in which they are laid. Layers have even numbers, and their tapes the odd ones behind them.
-struct Laid {
+struct BeadsAndStrands {
     paths: Vec<ToolPath>,
     /// For each path what strand it is; none for a bead.
     strands: Vec<Option<Strand>>,
 }
 
-impl Laid {
-    fn of(paths: &[ToolPath], tapes: &[LayerTapes], layer_height: f64) -> Laid {
-        let mut laid = Laid { paths: Vec::new(), strands: Vec::new() };
+impl BeadsAndStrands {
+    fn of(paths: &[ToolPath], tapes: &[LayerTapes], layer_height: f64) -> BeadsAndStrands {
+        let mut laid = BeadsAndStrands { paths: Vec::new(), strands: Vec::new() };
         let mut beads = paths.iter().peekable();
         let mut number = (u32::MAX, 0);
         for list in tapes {

@@ -62,7 +62,7 @@ pub enum ConductorError {
 }
 
 /// Steps from one point of a polyline to the next, at most: more is a slip of the unit.
-const MOST_STEPS: f64 = 1e6;
+const MAX_STEPS: f64 = 1e6;
 
 /// Brings a polyline onto a layer, as a strand that a head lays like a tape.
 ///
@@ -106,7 +106,7 @@ pub fn conductor(
     for (point, at) in polyline.iter().enumerate() {
         let from = if point == 0 { at } else { &polyline[point - 1] };
         let length = (at - from).norm();
-        if !(length / step <= MOST_STEPS && at.iter().all(|c| c.is_finite())) {
+        if !(length / step <= MAX_STEPS && at.iter().all(|c| c.is_finite())) {
             return Err(ConductorError::BadPoint { point });
         }
         let steps = (length / step).ceil().max(1.0) as usize;

@@ -7,8 +7,7 @@
 use super::frame::{Frames, edge_weights, rotation};
 use super::near::{Layer, vertex_areas, vertex_normals};
 use super::stress::LayerStress;
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
+use crate::mesh::{SurfaceMesh, SurfacePoint};
 use crate::sparse::{Entries, Factors};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use std::collections::VecDeque;
@@ -33,7 +32,7 @@ pub enum DirectionError {
     /// No guide curve was given, or one without length.
     #[error("guide curve {guide} has no length; each needs two different points")]
     NoGuide {
-        /// Number of the curve; 0 if there is none at all.
+        /// Number of the curve; 0 without any curve.
         guide: usize,
     },
     /// A point of a guide curve is NaN, infinite or absurd.
@@ -89,7 +88,7 @@ pub struct DirectionField<'m> {
 
 /// Each vertex holds its direction by this share of what bends the field, however small its triangles are: rounding of the bending of a splinter of a layer
 /// that hangs on nothing would else be more than all that holds it.
-const LEAST_HOLD: f64 = 1e-9;
+const MIN_HOLD: f64 = 1e-9;
 
 /// Guides hold the field this much more than its own bending does over a guide's own spacing.
 const GUIDE_HOLD: f64 = 100.0;
@@ -212,7 +211,7 @@ impl<'m> DirectionField<'m> {
         check_length("smoothing", length)?;
         let hold = |(v, area): (usize, f64)| {
             // Where nothing is known for sure, a little still keeps the equations solvable.
-            let hold = (area * weights.map_or(1.0, |weights| weights[v].max(1e-6))).max(LEAST_HOLD * length * length);
+            let hold = (area * weights.map_or(1.0, |weights| weights[v].max(1e-6))).max(MIN_HOLD * length * length);
             (hold, self.doubled[v] * hold)
         };
         let holds: Vec<_> = vertex_areas(self.mesh).into_iter().enumerate().map(hold).collect();

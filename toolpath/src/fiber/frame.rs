@@ -68,9 +68,9 @@ pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
 
 /// Cotangent weights of edges below this are raised to it. Obtuse triangles make them negative, and energies without a least value; this small,
 /// an edge still holds its ends together.
-const LEAST_WEIGHT: f64 = 0.05;
+const MIN_WEIGHT: f64 = 0.05;
 
-/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`LEAST_WEIGHT`].
+/// Half the sum of the cotangents across each edge, by its lower half-edge; at least [`MIN_WEIGHT`].
 pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
     let mut weights = vec![0.0; mesh.half_edges() as usize];
     for h in 0..mesh.half_edges() {
@@ -81,7 +81,7 @@ pub(super) fn edge_weights(mesh: &SurfaceMesh) -> Vec<f64> {
         let (u, v) = (a - c, b - c);
         weights[mesh.edge(h) as usize] += 0.5 * u.dot(&v) / u.cross(&v).norm();
     }
-    weights.iter_mut().for_each(|weight| *weight = weight.max(LEAST_WEIGHT));
+    weights.iter_mut().for_each(|weight| *weight = weight.max(MIN_WEIGHT));
     weights
 }
 

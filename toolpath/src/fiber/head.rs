@@ -60,7 +60,7 @@ pub struct LayerTapes {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TapeHeadError {
-    /// An option that is no use.
+    /// An option is out of its range.
     #[error("`{option}` is {value}: it must be {wanted}")]
     Option {
         /// Its name.
@@ -76,7 +76,7 @@ pub enum TapeHeadError {
         /// The layer.
         layer: u32,
     },
-    /// Lists out of order, or a lift that is none.
+    /// Lists out of order, or an invalid lift.
     #[error("tapes of layer {layer} come after those of a later one, or their lift is not finite")]
     Layer {
         /// The layer.

@@ -6,10 +6,10 @@ use super::near::{cross, vertex_normals};
 use super::stress::LayerStress;
 use super::strip::{StripGrid, strips_of};
 use super::tape::Tape;
+use crate::ProgressFn;
 use crate::mesh::SurfaceMesh;
-use crate::{Progress, parallel};
+use crate::parallel;
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// Samples over the width of a tape.
 const SAMPLES_A_WIDTH: f64 = 8.0;
@@ -18,7 +18,7 @@ const SAMPLES_A_WIDTH: f64 = 8.0;
 const TRIANGLES_A_PIECE: usize = 1024;
 
 /// Samples of one triangle along each side, at most: a layer of two triangles and a thin tape need no more for shares of a thousandth.
-const MOST_A_SIDE: f64 = 1024.0;
+const MAX_SAMPLES_A_SIDE: f64 = 1024.0;
 
 /// What tapes cover of a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,7 +46,7 @@ pub struct PrincipalAngle {
 
 /// The samples of a triangle: their weights, and the share of the area that each stands for.
 fn samples(mesh: &SurfaceMesh, triangle: u32, step: f64) -> (impl Iterator<Item = [f64; 3]>, f64) {
-    let side = (cross(mesh, triangle).norm().sqrt() / step).ceil().clamp(1.0, MOST_A_SIDE) as usize;
+    let side = (cross(mesh, triangle).norm().sqrt() / step).ceil().clamp(1.0, MAX_SAMPLES_A_SIDE) as usize;
     let rows = (0..side).flat_map(move |i| (0..2 * (side - i) - 1).map(move |j| (i, j)));
     let place = move |(i, j): (usize, usize)| {
         // Upright triangles have their middle a third of a row up, the others two thirds.
@@ -106,11 +106,7 @@ impl<'a> Cover<'a> {
 ///
 /// # Cost
 /// Proportional to the samples, 64 a square of the narrowest tape's width; on several threads. `None` if cancelled.
-pub(super) fn cover(
-    mesh: &SurfaceMesh,
-    tapes: &[Tape],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Option<TapeCover> {
+pub(super) fn cover(mesh: &SurfaceMesh, tapes: &[Tape], progress: ProgressFn) -> Option<TapeCover> {
     let cover = Cover::new(mesh, tapes);
     let pieces: Vec<usize> = (0..mesh.triangles().len()).step_by(TRIANGLES_A_PIECE).collect();
     let sums = parallel::map(&pieces, "coverage", progress, |_, &from| {

@@ -11,12 +11,11 @@ use super::insert::{Chain, insert, quartered};
 use super::lines::CentreLine;
 use super::near::{Layer, surface_point};
 use super::walk::walk;
-use crate::Progress;
 use crate::geodesic::{DistanceError, Sources, SurfaceDistance};
 use crate::level_set::{LevelField, LevelSetError};
 use crate::mesh::{MeshError, SurfaceMesh, SurfacePoint};
+use crate::{Progress, ProgressFn};
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// Why there are no offsets.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,7 +38,7 @@ pub enum OffsetError {
     /// No guide curve was given, or one without length.
     #[error("guide curve {guide} has no length; each needs two different points")]
     NoGuide {
-        /// Number of the curve; 0 if there is none at all.
+        /// Number of the curve; 0 without any curve.
         guide: usize,
     },
     /// A point of a guide curve is not on the layer.
@@ -75,13 +74,13 @@ pub enum OffsetError {
 }
 
 /// Triangles after cutting, at most.
-const MOST_TRIANGLES: usize = 1 << 21;
+const MAX_TRIANGLES: usize = 1 << 21;
 
 /// Lines run where the distance is a multiple of the spacing within about this share of it.
 const TOLERANCE: f64 = 0.01;
 
 /// A guide goes on straight for at most this many diagonals of the layer: a closed layer has no border.
-const MOST_DIAGONALS: f64 = 2.0;
+const MAX_DIAGONALS: f64 = 2.0;
 
 /// Guide curves and their offsets at whole multiples of a spacing.
 ///
@@ -118,14 +117,14 @@ pub fn offset_lines(
     guides: &[Vec<Point3<f64>>],
     spacing: f64,
     reach: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<CentreLine>, OffsetError> {
     if !(spacing > 0.0 && spacing <= 1e100) {
         return Err(OffsetError::Spacing { spacing });
     }
     check(mesh, guides, reach)?;
     let (mut fine, mut parents) =
-        quartered(mesh, spacing, MOST_TRIANGLES).ok_or(OffsetError::TooFine { spacing, triangles: MOST_TRIANGLES })?;
+        quartered(mesh, spacing, MAX_TRIANGLES).ok_or(OffsetError::TooFine { spacing, triangles: MAX_TRIANGLES })?;
     let mut chains: Vec<Chain> = Vec::new();
     for (guide, points) in guides.iter().enumerate() {
         let tick = Progress { stage: "guides", done: guide as u64, total: guides.len() as u64 };
@@ -223,11 +222,11 @@ fn trace(mesh: &SurfaceMesh, points: &[Point3<f64>]) -> Vec<(u32, Point3<f64>)> 
         return crossings;
     }
     if let Some(direction) = last {
-        walk(mesh, &at, direction, MOST_DIAGONALS * far, |h, p| crossings.push((h, p)));
+        walk(mesh, &at, direction, MAX_DIAGONALS * far, |h, p| crossings.push((h, p)));
     }
     let mut before = Vec::new();
     if let Some(direction) = first {
-        walk(mesh, &start, -direction, MOST_DIAGONALS * far, |h, p| before.push((h, p)));
+        walk(mesh, &start, -direction, MAX_DIAGONALS * far, |h, p| before.push((h, p)));
     }
     // Backwards the half-edge is the one on the other side, if there is one.
     let turned = before.into_iter().rev().map(|(h, p)| (mesh.twin(h).unwrap_or(h), p));

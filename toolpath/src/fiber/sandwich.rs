@@ -82,8 +82,8 @@ pub enum SandwichError {
     },
 }
 
-/// Most that a layer of tape may raise those above, in millimetres: thicker is no tape.
-const MOST_OFFSET: f64 = 10.0;
+/// Most that a layer of tape may raise those above, in millimetres: a thicker tape is an error.
+const MAX_OFFSET: f64 = 10.0;
 
 /// The schedule of a part: the first tapes lie on layer `base` (counted from 1), then on each `every`th one, and `cover` layers stay on top.
 ///
@@ -112,7 +112,7 @@ pub fn sandwich(layers: u32, options: &SandwichOptions) -> Result<Vec<SandwichLa
             return Err(SandwichError::Zero { option });
         }
     }
-    if !(0.0..=MOST_OFFSET).contains(&offset) {
+    if !(0.0..=MAX_OFFSET).contains(&offset) {
         return Err(SandwichError::Offset { offset });
     }
     let end = layers.saturating_sub(cover);
@@ -147,7 +147,7 @@ pub fn sandwich(layers: u32, options: &SandwichOptions) -> Result<Vec<SandwichLa
 /// # Ok::<(), SandwichError>(())
 /// ```
 pub fn sandwich_on(layers: u32, carrying: &[u32], offset: f64) -> Result<Vec<SandwichLayer>, SandwichError> {
-    if !(0.0..=MOST_OFFSET).contains(&offset) {
+    if !(0.0..=MAX_OFFSET).contains(&offset) {
         return Err(SandwichError::Offset { offset });
     }
     if let Some(&layer) = carrying.iter().find(|layer| layer.saturating_add(1) >= layers) {

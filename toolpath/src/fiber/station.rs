@@ -31,7 +31,7 @@ const SHARES: [f64; 2] = [0.5, -0.52];
 const STRAIGHTENING: usize = 12;
 
 /// A line along a border, but nearer to it than half a width, is moved inwards by at most this share of the width.
-const MOST_SHIFT: f64 = 0.25;
+const MAX_SHIFT: f64 = 0.25;
 
 /// It runs along the border if it is too near for so many widths. What crosses a border at an angle is cut there.
 const BESIDE_WIDTHS: f64 = 4.0;
@@ -123,7 +123,7 @@ fn shift_inwards(layer: &Layer, points: &mut [SurfacePoint], closed: bool, width
             |side| 0.5 * width - walk(layer.mesh, &points[k], side, 0.5 * width, |_, _| {}).map_or(0.0, |to| to.length);
         match [lack(side), lack(-side)] {
             [left, right] if left <= 0.0 && right <= 0.0 => Room::Enough,
-            [left, right] if left.max(right) > MOST_SHIFT * width || left.min(right) > 0.0 => Room::TooLittle,
+            [left, right] if left.max(right) > MAX_SHIFT * width || left.min(right) > 0.0 => Room::TooLittle,
             [left, right] => Room::Lacks(side * (right.max(0.0) - left.max(0.0))),
         }
     };

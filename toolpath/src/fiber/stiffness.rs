@@ -46,7 +46,7 @@ pub enum StiffnessError {
         /// Its value.
         value: f64,
     },
-    /// A tape outside of its section, or with an area that is none.
+    /// A tape outside of its section, or with an invalid area.
     #[error(
         "tape {tape} is at {at_mm} mm of a section of {height_mm} mm, with {fiber_mm2} mm^2 of fibre: it does not fit in"
     )]

@@ -91,7 +91,7 @@ pub struct LayerStress<'m> {
 pub(super) const SYMMETRY: f64 = 1e-5;
 
 /// Numbers beyond this are refused: their squares must stay finite.
-const LARGEST: f64 = 1e100;
+const MAX_NUMBER: f64 = 1e100;
 
 impl<'m> LayerStress<'m> {
     /// Interpolates stresses at the vertices of a layer.
@@ -119,14 +119,14 @@ impl<'m> LayerStress<'m> {
     /// ```
     pub fn new(mesh: &'m SurfaceMesh, samples: &[StressSample], options: StressOptions) -> Result<Self, StressError> {
         let reach = options.reach;
-        if !(reach > 0.0 && reach <= LARGEST) {
+        if !(reach > 0.0 && reach <= MAX_NUMBER) {
             return Err(StressError::Reach { reach });
         }
         if samples.is_empty() {
             return Err(StressError::NoSamples);
         }
         for (sample, StressSample { point, stress }) in samples.iter().enumerate() {
-            if !point.iter().chain(stress.iter()).all(|number| number.abs() <= LARGEST) {
+            if !point.iter().chain(stress.iter()).all(|number| number.abs() <= MAX_NUMBER) {
                 return Err(StressError::BadSample { sample });
             }
             if (stress - stress.transpose()).amax() > SYMMETRY * stress.amax() {

@@ -22,12 +22,11 @@ use super::direction::DirectionField;
 use super::frame::{edge_weights, rotation};
 use super::lines::{CentreLine, EdgeValue, level_lines};
 use super::near::vertex_areas;
-use crate::Progress;
 use crate::mesh::SurfaceMesh;
 use crate::sparse::{Entries, Factors};
+use crate::{Progress, ProgressFn};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// Why there are no stripes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -73,7 +72,7 @@ pub struct Stripes {
 }
 
 /// Crossings of lines and edges that fit into memory and into 32 bits.
-const MOST_CROSSINGS: f64 = 1e8;
+const MAX_CROSSINGS: f64 = 1e8;
 
 /// Rounds of the power iteration: the paper takes 20.
 const ROUNDS: u32 = 20;
@@ -83,7 +82,7 @@ const REACH: f64 = 10.0;
 
 /// Each vertex holds its phase by this much, however small its triangles are, beside edges that hold each other by about one: a splinter that hangs on
 /// nothing would else make the equations singular. A vertex of a layer of a million is held by a hundred times as much.
-const LEAST_HOLD: f64 = 1e-9;
+const MIN_HOLD: f64 = 1e-9;
 
 /// How strongly borders along the direction pull, beside the stripe next to them.
 const BORDER_PULL: f64 = 1.0;
@@ -130,19 +129,15 @@ struct Edge {
 /// assert!((y[0].min(y[1]) - 1.5).abs() < 1e-6 && (y[0].max(y[1]) - 4.5).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn stripes(
-    field: &DirectionField,
-    spacing: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Stripes, StripeError> {
+pub fn stripes(field: &DirectionField, spacing: f64, progress: ProgressFn) -> Result<Stripes, StripeError> {
     if !(spacing > 0.0 && spacing <= 1e100) {
         return Err(StripeError::Spacing { spacing });
     }
     let mesh = field.mesh();
     let edges = edges(field, spacing);
     let crossings = edges.iter().map(|edge| edge.growth.abs() / TAU).sum::<f64>();
-    if crossings > MOST_CROSSINGS || !crossings.is_finite() {
-        return Err(StripeError::TooFine { spacing, crossings, most: MOST_CROSSINGS });
+    if crossings > MAX_CROSSINGS || !crossings.is_finite() {
+        return Err(StripeError::TooFine { spacing, crossings, most: MAX_CROSSINGS });
     }
     let solver = Solver { mesh, areas: vertex_areas(mesh), edges: &edges, progress };
     let (psi, residual) = solver.solve(field, spacing)?;
@@ -214,7 +209,7 @@ struct Solver<'a> {
     mesh: &'a SurfaceMesh,
     areas: Vec<f64>,
     edges: &'a [Edge],
-    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'a>,
 }
 
 impl Solver<'_> {
@@ -249,7 +244,7 @@ impl Solver<'_> {
         tick(0)?;
         let pull: Vec<f64> = border_lengths(field).iter().map(|length| BORDER_PULL * length / spacing).collect();
         let hold = (TAU / REACH).powi(2) / self.areas.iter().sum::<f64>();
-        let holds: Vec<f64> = self.areas.iter().map(|area| (hold * area).max(LEAST_HOLD)).collect();
+        let holds: Vec<f64> = self.areas.iter().map(|area| (hold * area).max(MIN_HOLD)).collect();
         let factors = self.factors(|v| holds[v] + pull[v])?;
         // A start without any pattern, the same every time.
         let mut psi: Vec<Vector2<f64>> = (0..self.areas.len()).map(|v| start(v as u64)).collect();

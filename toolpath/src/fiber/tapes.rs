@@ -20,10 +20,9 @@ use super::strip::{Strip, StripGrid, strips_of};
 use super::stripes::{StripeError, stripes};
 pub use super::tape::Tape;
 use super::walk::walk;
-use crate::Progress;
 use crate::mesh::{SurfaceMesh, SurfacePoint};
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// What tapes are, and how they may lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,7 +213,7 @@ const OWN_WIDTHS: f64 = 2.0;
 const HALVINGS: usize = 6;
 
 /// Steps along all lines that fit into memory.
-const MOST_STEPS: f64 = 1e7;
+const MAX_STEPS: f64 = 1e7;
 
 /// Lays tapes along a field of directions: [`stripes`] of the wanted spacing, and [`plan_tapes`] along them.
 ///
@@ -239,11 +238,7 @@ const MOST_STEPS: f64 = 1e7;
 /// assert!((plan.tape_mm() - 120.0).abs() < 0.1 && plan.cover.covered_fraction > 0.99);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn lay_tapes(
-    field: &DirectionField,
-    options: &TapeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<TapePlan, TapeError> {
+pub fn lay_tapes(field: &DirectionField, options: &TapeOptions, progress: ProgressFn) -> Result<TapePlan, TapeError> {
     check(options)?;
     let found = stripes(field, options.spacing, progress)?;
     plan_tapes(field.mesh(), &found.lines, options, progress)
@@ -260,7 +255,7 @@ pub fn lay_tapes_along(
     mesh: &SurfaceMesh,
     guides: &[Vec<Point3<f64>>],
     options: &TapeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<TapePlan, TapeError> {
     check(options)?;
     let lines = offset_lines(mesh, guides, options.spacing, options.width, progress)?;
@@ -286,14 +281,14 @@ pub fn plan_tapes(
     mesh: &SurfaceMesh,
     lines: &[CentreLine],
     options: &TapeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<TapePlan, TapeError> {
     check(options)?;
     let layer = Layer::new(mesh);
     let step = options.width / STEPS_A_WIDTH;
     let length: f64 = lines.iter().map(CentreLine::length).sum();
     check_lines(mesh, lines, options.width)?;
-    if length / step > MOST_STEPS {
+    if length / step > MAX_STEPS {
         return Err(TapeError::TooMany { width: options.width, length });
     }
     let along = crate::parallel::map(lines, "lines", progress, |_, line| {
@@ -347,7 +342,7 @@ struct Walked {
 }
 
 /// A tape as stations.
-struct Laid {
+struct PlacedTape {
     line: usize,
     stations: Vec<Station>,
     ends: [TapeLimit; 2],
@@ -355,11 +350,7 @@ struct Laid {
 
 /// The order in which lines are laid: those first of which others would keep the smallest share from lying, then those with the most room. So what
 /// ends in between is cut and not what goes through.
-fn order(
-    along: &[Walked],
-    options: &TapeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<Vec<usize>, TapeError> {
+fn order(along: &[Walked], options: &TapeOptions, progress: ProgressFn) -> Result<Vec<usize>, TapeError> {
     let mut all = StripGrid::new(options.width, options.width / STEPS_A_WIDTH);
     for (line, walked) in along.iter().enumerate() {
         for [first, last] in runs(&walked.limits) {
@@ -398,7 +389,7 @@ struct Planner<'a> {
     options: &'a TapeOptions,
     /// The tapes laid so far.
     grid: StripGrid,
-    tapes: Vec<Laid>,
+    tapes: Vec<PlacedTape>,
     left_out: Vec<LeftOutTape>,
 }
 
@@ -430,7 +421,7 @@ impl Planner<'_> {
             }
             let strips = strips(&stations, self.options.width, self.tapes.len() as u32);
             strips.into_iter().for_each(|strip| self.grid.add(strip));
-            self.tapes.push(Laid { line, stations, ends });
+            self.tapes.push(PlacedTape { line, stations, ends });
         }
         self.leave_out(line, walked, &limits);
     }

@@ -5,7 +5,7 @@ use crate::mesh::{SurfaceMesh, SurfacePoint, next, previous};
 use nalgebra::{Point3, Vector3};
 
 /// A walk of this many triangles circles around a vertex in rounding noise.
-const MOST_TRIANGLES: usize = 1 << 16;
+const MAX_TRIANGLES: usize = 1 << 16;
 
 /// Where a straight walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ pub(super) fn walk(
     let mut normal = cross(mesh, triangle).normalize();
     let mut direction = (direction - normal * direction.dot(&normal)).try_normalize(0.0)?;
     let (mut gone, mut entered) = (0.0, None);
-    for _ in 0..MOST_TRIANGLES {
+    for _ in 0..MAX_TRIANGLES {
         let Some((h, step)) = exit(mesh, triangle, at, direction, normal, entered) else { break };
         if gone + step >= length {
             at += direction * (length - gone);

@@ -3,11 +3,9 @@
 use super::filled::{FilledLayer, FilledLayers};
 use crate::contour::Segments;
 use crate::infill::thickness;
-use crate::layer::LayerSurface;
-use crate::layer::{BuiltLayer, LayerStack, StackError, of_layer};
+use crate::layer::{BuiltLayer, LayerStack, LayerSurface, StackError, of_layer};
 use crate::mesh::on_segment;
-use crate::path::BeadKind;
-use crate::path::{PathPoint, SurfacePath};
+use crate::path::{BeadKind, PathPoint, SurfacePath};
 use nalgebra::Point3;
 
 /// A place of a bead lies on an earlier bead whose middle is no farther than this many thicknesses of its layer below it: one straight

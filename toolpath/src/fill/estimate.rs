@@ -51,7 +51,7 @@ const POINTS_A_BEAD: f64 = 2.0;
 /// Refuses beads whose points would not fit into memory.
 pub(super) fn check_size(surfaces: &[LayerSurface], options: &PathOptions) -> Result<(), FillLayersError> {
     let PathOptions { bead, max_points: most, .. } = *options;
-    // Anything else is told by the first layer.
+    // The first layer reports any other fault.
     if !(bead > 0.0 && bead.is_finite()) {
         return Ok(());
     }

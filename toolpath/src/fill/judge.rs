@@ -5,11 +5,11 @@ use super::filled::{FilledLayer, SolidPart};
 use crate::contour::BEAD_WIDTHS;
 use crate::layer::LayerSurface;
 use crate::mesh::SurfaceMesh;
+use crate::parallel;
 use crate::path::{LayerPaths, PathOptions, PathPoint, SurfacePath};
 use crate::statistics::{BeadCurve, PathStatistics, StatisticsError, StatisticsOptions, path_statistics};
-use crate::{Progress, parallel};
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// Figures of the solid curves of a layer.
 pub(super) fn statistics(
@@ -17,7 +17,7 @@ pub(super) fn statistics(
     paths: &LayerPaths,
     &PathOptions { bead, coverage, .. }: &PathOptions,
     reach_mm: f64,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<PathStatistics, StatisticsError> {
     // What not even the narrowest bead could cover counts as unfillable.
     let narrowest = BEAD_WIDTHS[0] * bead;
@@ -44,7 +44,7 @@ pub(super) fn judge_again(
     changed: &[usize],
     surfaces: &[LayerSurface],
     options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<(), FillLayersError> {
     let report = |p: Progress| progress(Progress { stage: "coverage", ..p });
     let judge = |FilledLayer { paths, reach_mm, solid, support, .. }: &FilledLayer, layer: usize| {

@@ -12,9 +12,10 @@ use crate::layer::LayerSurface;
 use crate::level_set::LevelField;
 use crate::mesh::SurfaceMesh;
 use crate::order::{TravelCurve, order_curves};
+use crate::parallel;
 use crate::path::{LayerPaths, PathOptions, Pattern};
 use crate::statistics::PathStatistics;
-use crate::{Progress, parallel};
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
@@ -50,7 +51,7 @@ use std::sync::Mutex;
 pub fn fill_layer(
     surface: &LayerSurface,
     options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<FilledLayer, FillError> {
     fill_at(surface, options, None, progress)
 }
@@ -60,72 +61,101 @@ fn fill_at(
     surface: &LayerSurface,
     options: &PathOptions,
     site: Option<&Site>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<FilledLayer, FillError> {
-    let report = |stage: &'static str| move |p: Progress| progress(Progress { stage, ..p });
-    // Each stage from nothing done to all of it, so that a caller can tell them apart.
-    let mark = |stage: &'static str, done: u64| match progress(Progress { stage, done, total: 1 }) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(FillError::Cancelled),
-    };
     let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
-    mark("distance", 0)?;
-    let distance = SurfaceDistance::to_boundary(&mesh, &report("distance"))?;
-    mark("distance", 1)?;
-    // A bead wider than the surface has room nowhere; its level sets would tell nothing of the surface.
+    announce(progress, "distance", 0)?;
+    let distance = SurfaceDistance::to_boundary(&mesh, &in_stage(progress, "distance"))?;
+    announce(progress, "distance", 1)?;
+    // A bead wider than the surface has room nowhere; its level sets would say nothing about the surface.
     let corners = surface.triangles.iter().flatten().map(|&corner| &surface.vertices[corner as usize]);
     let (low, high) = corners
         .fold((Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])), |(low, high), p| {
             (low.inf(p), high.sup(p))
         });
     let tolerance = TOLERANCE * options.bead.min((high - low).norm());
-    let field = LevelField::new(&distance, tolerance, &report("curves"))?;
-    let reach_mm = field.greatest();
+    let field = LevelField::new(&distance, tolerance, &in_stage(progress, "curves"))?;
     let alone = Site::alone(&mesh, &options.infill);
     let site = site.unwrap_or(&alone);
-    let filled = |options: &PathOptions, uniform: bool| -> Result<FilledLayer, FillError> {
-        mark("curves", 0)?;
-        let Filled { paths, sparse, solid, solid_mm2 } = if options.infill.is_solid() {
-            Filled::solid(field.paths(options, &report("curves"))?)
+    let filling = Filling { surface, mesh: &mesh, reach_mm: field.greatest(), field: &field, site, progress };
+    // The figures know nothing of how the curves were made; what they find fault with is made anew.
+    match filling.filled(options, false) {
+        Err(FillError::Cancelled) => Err(FillError::Cancelled),
+        Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
+        // Uniform beads and rows have no more uniform form.
+        as_asked if !options.fitted || options.pattern == Pattern::Zigzag => as_asked,
+        fitted => match filling.filled(&PathOptions { fitted: false, ..*options }, true) {
+            Err(error) if error != FillError::Cancelled => fitted,
+            uniform => uniform,
+        },
+    }
+}
+
+/// Reports under the name of a stage.
+fn in_stage<'a>(progress: ProgressFn<'a>, stage: &'static str) -> impl Fn(Progress) -> ControlFlow<()> + Sync + 'a {
+    move |p| progress(Progress { stage, ..p })
+}
+
+/// Each stage goes from nothing done to all of it, so that a caller can separate them.
+fn announce(progress: ProgressFn, stage: &'static str, done: u64) -> Result<(), FillError> {
+    match progress(Progress { stage, done, total: 1 }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(FillError::Cancelled),
+    }
+}
+
+/// A surface with its field, ready to be filled with any beads.
+struct Filling<'a> {
+    surface: &'a LayerSurface<'a>,
+    mesh: &'a SurfaceMesh,
+    field: &'a LevelField<'a>,
+    reach_mm: f64,
+    site: &'a Site,
+    progress: ProgressFn<'a>,
+}
+
+impl Filling<'_> {
+    /// The layer with its figures; `uniform` says that its beads take the place of fitted ones.
+    fn filled(&self, options: &PathOptions, uniform: bool) -> Result<FilledLayer, FillError> {
+        announce(self.progress, "curves", 0)?;
+        let report = in_stage(self.progress, "curves");
+        let part = if options.infill.is_solid() {
+            Filled::solid(self.field.paths(options, &report)?)
         } else {
-            filled_part(&field, surface, options, site, &report("curves"))?
+            filled_part(self.field, self.surface, options, self.site, &report)?
         };
-        mark("curves", 1)?;
-        let statistics = match &solid {
-            None if solid_mm2.is_some_and(|area| area <= 0.0) => PathStatistics::of_no_area(),
-            solid => {
-                // Where curves cross is asked on the whole mesh in any case, so that paths do not depend on whether coverage is asked for.
-                let of_curves = PathOptions { coverage: options.coverage && solid.is_none(), ..*options };
-                let whole = statistics(&mesh, &paths, &of_curves, reach_mm, &report("coverage"))?;
-                let found = match solid {
-                    Some(solid) => {
-                        let areas = statistics(solid, &paths, options, reach_mm, &report("coverage"))?;
-                        let PathStatistics { self_crossings, sharp_turns, .. } = whole;
-                        PathStatistics { self_crossings, sharp_turns, ..areas }
-                    }
-                    None => whole,
-                };
-                PathStatistics { area_mm2: solid_mm2.unwrap_or(found.area_mm2), ..found }
-            }
-        };
-        mark("coverage", 1)?;
+        announce(self.progress, "curves", 1)?;
+        let statistics = self.judged(&part, options)?;
+        announce(self.progress, "coverage", 1)?;
+        let Filled { paths, sparse, solid, .. } = part;
         // Layers into which no curve may come back are not judged again.
         let comes_back = !paths.short.is_empty() || !paths.narrow.is_empty();
         let solid = solid.filter(|_| sparse.area_mm2 > 0.0 && comes_back);
         let solid =
             solid.map(|mesh| SolidPart { vertices: mesh.vertices().to_vec(), triangles: mesh.triangles().to_vec() });
+        let reach_mm = self.reach_mm;
         Ok(FilledLayer { paths, statistics, uniform, reach_mm, sparse, solid, support: None })
-    };
-    // The figures know nothing of how the curves were made; what they find fault with is made anew.
-    match filled(options, false) {
-        Err(FillError::Cancelled) => Err(FillError::Cancelled),
-        Ok(layer) if layer.statistics.self_crossings == 0 => Ok(layer),
-        // There is nothing more uniform than uniform beads, and rows are.
-        as_asked if !options.fitted || options.pattern == Pattern::Zigzag => as_asked,
-        fitted => match filled(&PathOptions { fitted: false, ..*options }, true) {
-            Err(error) if error != FillError::Cancelled => fitted,
-            uniform => uniform,
-        },
+    }
+
+    /// Figures of what is solid.
+    fn judged(&self, part: &Filled, options: &PathOptions) -> Result<PathStatistics, FillError> {
+        let Filled { paths, solid, solid_mm2, .. } = part;
+        if solid.is_none() && solid_mm2.is_some_and(|area| area <= 0.0) {
+            return Ok(PathStatistics::of_no_area());
+        }
+        let report = in_stage(self.progress, "coverage");
+        // Where curves cross is asked on the whole mesh in any case, so that paths do not depend on whether coverage is asked for.
+        let of_curves = PathOptions { coverage: options.coverage && solid.is_none(), ..*options };
+        let whole = statistics(self.mesh, paths, &of_curves, self.reach_mm, &report)?;
+        let found = match solid {
+            Some(solid) => {
+                let areas = statistics(solid, paths, options, self.reach_mm, &report)?;
+                let PathStatistics { self_crossings, sharp_turns, .. } = whole;
+                PathStatistics { self_crossings, sharp_turns, ..areas }
+            }
+            None => whole,
+        };
+        Ok(PathStatistics { area_mm2: solid_mm2.unwrap_or(found.area_mm2), ..found })
     }
 }
 
@@ -169,7 +199,7 @@ fn fill_at(
 pub fn fill_layers(
     surfaces: &[LayerSurface],
     options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<FilledLayers, FillLayersError> {
     fill_rest(surfaces, Vec::new(), options, progress)
 }
@@ -197,7 +227,7 @@ pub fn fill_range(
     surfaces: &[LayerSurface],
     range: Range<usize>,
     options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Vec<Option<FilledLayer>>, FillLayersError> {
     check_size(surfaces, options)?;
     let first = range.start;
@@ -248,7 +278,7 @@ pub fn fill_rest(
     surfaces: &[LayerSurface],
     filled: Vec<Option<FilledLayer>>,
     options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<FilledLayers, FillLayersError> {
     check_size(surfaces, options)?;
     let is_solid = options.infill.is_solid();

@@ -131,7 +131,7 @@ impl Head {
                 Ok(())
             }
             Move::Fiber(_) if is_nozzle => Err("the nozzle has no tape: change the tool first (M2730)"),
-            // As it is written: a force that rounds to 0 is none.
+            // As it is written: a force that rounds to 0 counts as no force.
             Move::Fiber(FiberCommand::Press { newtons }) => {
                 self.presses = super::text::steps(*newtons, FIBER_DECIMALS) > 0;
                 Ok(())

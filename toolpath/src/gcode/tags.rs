@@ -6,7 +6,7 @@
 use super::text::Text;
 use crate::path::BeadKind;
 
-/// How layers and kinds of beads are told to viewers.
+/// How a file names layers and kinds of beads for viewers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Tags {

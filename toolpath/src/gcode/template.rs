@@ -31,7 +31,7 @@ pub(super) fn expand(text: &mut Text, name: &'static str, template: &str, values
             match values.iter().find(|value| value.0 == key) {
                 Some(&(_, Some(value), decimals)) => _ = text.number("", value, decimals),
                 Some((_, None, _)) => whole = false,
-                None => return Err(wrong(format!("`{{{key}}}` is none of {}", known()))),
+                None => return Err(wrong(format!("`{{{key}}}` is not one of {}", known()))),
             }
             rest = after;
         }

@@ -101,9 +101,9 @@ const CHUNK: usize = 32 * 1024;
 const RESET: f64 = 1000.0;
 
 /// No line of a rotary dialect takes less, seconds: `F` stays below 1e6.
-const LEAST_TIME: f64 = 1e-4;
+const MIN_TIME: f64 = 1e-4;
 /// Nor more, as then `F` has too few digits.
-const MOST_TIME: f64 = 1e5;
+const MAX_TIME: f64 = 1e5;
 
 const SECONDS_PER_MINUTE: f64 = 60.0;
 
@@ -471,8 +471,8 @@ impl<W: Write> Writer<'_, W> {
         self.set_inverse_time(true);
         let parts = table.parts(&at, &tip, [from, to]);
         let seconds = (distance(&at, &tip) / feed_mm_s).max(table.seconds(from, to));
-        let seconds = seconds.max(LEAST_TIME * f64::from(parts));
-        number(index, "time of the move, s", seconds, [0.0, MOST_TIME])?;
+        let seconds = seconds.max(MIN_TIME * f64::from(parts));
+        number(index, "time of the move, s", seconds, [0.0, MAX_TIME])?;
         for part in 1..=parts {
             let share = f64::from(part) / f64::from(parts);
             let (point, angles) = match part == parts {
@@ -569,7 +569,7 @@ impl<W: Write> Writer<'_, W> {
 
     /// `F` as the inverse of minutes.
     fn inverse_feed(&mut self, seconds: f64) {
-        let inverse = SECONDS_PER_MINUTE / seconds.clamp(LEAST_TIME, MOST_TIME);
+        let inverse = SECONDS_PER_MINUTE / seconds.clamp(MIN_TIME, MAX_TIME);
         self.text.number(" F", inverse, INVERSE_DECIMALS);
     }
 

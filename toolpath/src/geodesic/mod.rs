@@ -28,10 +28,9 @@ mod wavefront;
 pub use query::Nearest;
 pub(crate) use query::TriangleLights;
 
-use crate::Progress;
+use crate::ProgressFn;
 use crate::mesh::SurfaceMesh;
 use envelope::Envelope;
-use std::ops::ControlFlow;
 use unfold::Unfolding;
 use wavefront::{Settled, WaveFront};
 
@@ -115,10 +114,7 @@ impl<'m> SurfaceDistance<'m> {
     /// assert_eq!(distance.at(0, [0.25, 0.25, 0.5]).distance, 2.5);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn to_boundary(
-        mesh: &'m SurfaceMesh,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Self, DistanceError> {
+    pub fn to_boundary(mesh: &'m SurfaceMesh, progress: ProgressFn) -> Result<Self, DistanceError> {
         let edges: Vec<u32> = mesh.boundary_half_edges().collect();
         if edges.is_empty() {
             return Err(DistanceError::NoBoundary);
@@ -144,11 +140,7 @@ impl<'m> SurfaceDistance<'m> {
     /// assert_eq!(distance.at_vertex(2), 5.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn to(
-        mesh: &'m SurfaceMesh,
-        sources: Sources,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Self, DistanceError> {
+    pub fn to(mesh: &'m SurfaceMesh, sources: Sources, progress: ProgressFn) -> Result<Self, DistanceError> {
         if sources.edges.is_empty() && sources.vertices.is_empty() {
             return Err(DistanceError::NoSource);
         }
@@ -168,7 +160,7 @@ impl<'m> SurfaceDistance<'m> {
         mesh: &'m SurfaceMesh,
         edges: &[u32],
         vertices: &[u32],
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Self, DistanceError> {
         let unfolding = Unfolding::new(mesh);
         let slack = SLACK * mesh.diagonal();

@@ -14,14 +14,13 @@ use super::envelope::{Envelope, Trim, Window};
 use super::queue::BucketQueue;
 use super::unfold::{Frame, Unfolding};
 use super::wave::Wave;
-use crate::Progress;
 use crate::mesh::{NONE, SurfaceMesh, next, previous};
+use crate::{Progress, ProgressFn};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::ops::ControlFlow;
 
 /// A gap between straight lines narrower than this (radians) is rounding of the angles around a vertex. Points in such
 /// a gap get the distance along a path that bends by as much, which is longer by a share of the square of it.
-const LEAST_GAP: f64 = 1e-12;
+const MIN_GAP: f64 = 1e-12;
 /// A vertex as near to the outermost ray of a window, as a sine, counts as seen, over the nearest end of the window.
 /// The distance is that of a path that exists, so a larger value costs time, not truth; below 1e-9 a vertex could fall
 /// between two windows.
@@ -129,7 +128,7 @@ impl<'m> WaveFront<'m> {
     }
 
     /// Propagates until nothing moves; `None` when the callback stops it.
-    pub fn settle(mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Option<Settled> {
+    pub fn settle(mut self, progress: ProgressFn) -> Option<Settled> {
         let total = self.mesh.vertices().len() as u64;
         let mut until_report = 0;
         while let Some(item) = self.queue.pop() {
@@ -250,7 +249,7 @@ impl<'m> WaveFront<'m> {
 
     fn casts_shadow(&self, vertex: u32) -> bool {
         let straight = if self.mesh.is_boundary_vertex(vertex) { PI } else { TAU };
-        self.unfolding.total(vertex) > straight + LEAST_GAP
+        self.unfolding.total(vertex) > straight + MIN_GAP
     }
 
     /// A vertex sends a wave where no straight line over it arrives.
@@ -305,7 +304,7 @@ impl<'m> WaveFront<'m> {
     /// As [`Self::send`] for an inner vertex, whose angles go on past a full turn.
     fn send_around(&mut self, vertex: u32, [from, to]: [f64; 2], base: f64) {
         let total = self.unfolding.total(vertex);
-        if to - from > LEAST_GAP {
+        if to - from > MIN_GAP {
             self.send(vertex, [from, to], base);
             self.send(vertex, [from - total, to - total], base);
         }
@@ -314,7 +313,7 @@ impl<'m> WaveFront<'m> {
     /// Sends a point wave into an angle of the fan of a vertex.
     fn send(&mut self, vertex: u32, [from, to]: [f64; 2], base: f64) {
         let mesh = self.mesh;
-        if to - from <= LEAST_GAP {
+        if to - from <= MIN_GAP {
             return;
         }
         let mut angle = 0.0;
@@ -322,7 +321,7 @@ impl<'m> WaveFront<'m> {
             let start = angle;
             angle += self.unfolding.angle(h);
             let range = [from.max(start), to.min(angle)];
-            if range[0] > range[1] + LEAST_GAP {
+            if range[0] > range[1] + MIN_GAP {
                 continue;
             }
             let across = next(h);

@@ -15,7 +15,7 @@ use crate::orientation::{ToolPath, Waypoint};
 /// A path and the triangles that its beads touch, each time with the waypoint. Without any of these its layer is there only
 /// when it is finished.
 #[derive(Clone, Debug)]
-pub(super) struct Laid {
+pub(super) struct DepositedPath {
     pub path: ToolPath,
     pub touched: Vec<(u32, u32)>,
 }

@@ -22,19 +22,17 @@ use super::deepest::{Contact, Scene, Stand};
 use super::error::GougingError;
 use super::nozzle::Nozzle;
 use super::options::GougingOptions;
-use crate::Progress;
+use crate::ProgressFn;
 use crate::layer::{Keys, LayerStack};
-use crate::orientation::{Pose, farthest, lean};
-use crate::orientation::{ToolPath, angle};
+use crate::orientation::{Pose, ToolPath, angle, farthest, lean};
 use crate::parallel;
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// More samples along a leg are refused: the step is then a slip of the unit.
 const MAX_SAMPLES: f64 = 1e7;
 
 /// Coordinates beyond this are refused, as for waypoints, in millimetres.
-const LARGEST: f64 = 1e9;
+const MAX_COORDINATE_MM: f64 = 1e9;
 
 /// When in the print.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,7 +193,7 @@ impl LayerStack<'_> {
         paths: &[ToolPath],
         nozzle: &Nozzle,
         options: &GougingOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<Contacts<'_>, GougingError> {
         options.check()?;
         self.check_paths(paths)?;
@@ -376,6 +374,6 @@ impl Leg<'_> {
 
 fn check(pose: &Pose) -> Result<(), ContactError> {
     let unit = (pose.direction.norm_squared() - 1.0).abs() < 1e-6;
-    let near = pose.tip.iter().all(|c| c.abs() < LARGEST);
+    let near = pose.tip.iter().all(|c| c.abs() < MAX_COORDINATE_MM);
     if unit && near { Ok(()) } else { Err(ContactError::BadPose { pose: *pose }) }
 }

@@ -37,7 +37,7 @@ pub struct Contact {
     /// How deep it is in the layer, as thick as that is, or how far below the plate, in millimetres. Infinite where the
     /// block reaches down without end.
     pub depth: f64,
-    /// Thickness of the layer there, in millimetres, or of the [skin](crate::layer::Mould::skin) of the mould; 0 for the plate.
+    /// Thickness of the layer there, in millimetres, or of the [mould](crate::layer::Mould::thickness); 0 for the plate.
     pub height: f64,
     /// Which part of the nozzle is deepest.
     pub part: NozzlePart,
@@ -136,7 +136,7 @@ impl Seeker<'_> {
         self.nozzle.least_around(z, rho, sway, reach) - self.stand.offset(node.height)
     }
 
-    /// The square of the distance of a point of a triangle to the boundary of its layer, as far as it is near.
+    /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.
     fn to_rim(&self, p: Point3<f64>, triangle: &Triangle) -> f64 {
         let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
         let squares = rims.iter().map(|[a, b]| {

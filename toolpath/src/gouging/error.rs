@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GougingError {
-    /// An option that is no use.
+    /// An option is out of its range.
     #[error("{option} is {value}: {wanted}")]
     Option {
         /// Its name.

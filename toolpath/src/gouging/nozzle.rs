@@ -27,7 +27,7 @@ use nalgebra::{UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Lengths beyond this are refused, in millimetres: a nozzle is not ten metres wide.
-const LARGEST: f64 = 1e4;
+const MAX_LENGTH_MM: f64 = 1e4;
 
 /// A nozzle: a flat tip, a cone, and a block above it that reaches up without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,7 +148,7 @@ impl Nozzle {
             ("cone_height", cone_height),
             ("block_diameter", block_diameter),
         ];
-        if let Some((measure, value)) = lengths.into_iter().find(|&(_, v)| !(v > 0.0 && v <= LARGEST)) {
+        if let Some((measure, value)) = lengths.into_iter().find(|&(_, v)| !(v > 0.0 && v <= MAX_LENGTH_MM)) {
             return Err(NozzleError::Measure { measure, value });
         }
         if !(cone_half_angle > 0.0 && cone_half_angle < FRAC_PI_2) {
@@ -221,7 +221,7 @@ impl Nozzle {
         }
     }
 
-    /// No less than this is the clearance in a body around a point at (`z`, `rho`), if it reaches as far as `reach` tells
+    /// No less than this is the clearance in a body around a point at (`z`, `rho`), if it reaches as far as `reach` says
     /// (to both sides) in a direction given by what it has of the axis and of the ray from the axis to the point.
     ///
     /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the point. A nozzle that sways takes from each

@@ -1,7 +1,7 @@
 //! How gouging is corrected.
 
 use super::error::GougingError;
-use crate::orientation::LEAST_TURN;
+use crate::orientation::MIN_TURN;
 use std::f64::consts::PI;
 
 /// How gouging is corrected.
@@ -68,7 +68,7 @@ impl GougingOptions {
 
 impl GougingOptions {
     pub(super) fn check(&self) -> Result<(), GougingError> {
-        let (turn, clearance) = ((LEAST_TURN..=PI).contains(&self.max_turn), self.plate_clearance);
+        let (turn, clearance) = ((MIN_TURN..=PI).contains(&self.max_turn), self.plate_clearance);
         let sound = [
             ("allowed_depth", self.allowed_depth, (0.0..=0.5).contains(&self.allowed_depth), "0 to 0.5 layer heights"),
             ("max_tilt", self.max_tilt, (0.0..=PI).contains(&self.max_tilt), "0 to 180 degrees, in radians"),
@@ -78,7 +78,7 @@ impl GougingOptions {
             (
                 "max_turn_per_mm",
                 self.max_turn_per_mm,
-                self.max_turn_per_mm >= LEAST_TURN,
+                self.max_turn_per_mm >= MIN_TURN,
                 "0.1 degrees or more, in radians",
             ),
             ("plate_clearance", clearance, clearance >= 0.0 && clearance.is_finite(), "0 or more, and finite"),

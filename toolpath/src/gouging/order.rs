@@ -5,7 +5,7 @@
 //! cut out and laid before all else of the layer: then only earlier layers are there, and of these a tilt frees it. What is
 //! left of the path is laid as before, in two parts or more.
 //!
-//! Laid early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
+//! DepositedPath early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
 //! waypoints are left; then what is left is cut out in turn.
 //!
 //! Only what may have changed is looked at again: the pieces, what is left of their paths, and the paths that were laid before these; for all
@@ -14,18 +14,17 @@
 //! Where the nozzle would at last be deeper than a layer, a machine would not scratch it but run into it. Such pieces are
 //! left out. Everything else is as free without them, or freer.
 
-use super::along::{FreedPath, tilted};
-use super::built::{Laid, built, touched};
+use super::along::{ResolvedPath, tilted};
+use super::built::{DepositedPath, built, touched};
 use super::deepest::Scene;
 use super::error::GougingError;
 use super::gouge::{Gouge, LeftOut};
 use super::nozzle::Nozzle;
 use super::options::GougingOptions;
-use crate::Progress;
+use crate::ProgressFn;
 use crate::layer::LayerStack;
 use crate::orientation::ToolPath;
 use crate::parallel;
-use std::ops::ControlFlow;
 
 /// How often the orders of layers are changed. The third time frees two waypoints more on one model of three, a fourth none.
 const ROUNDS: usize = 3;
@@ -35,23 +34,23 @@ pub(super) struct Resolving<'a> {
     pub stack: &'a LayerStack<'a>,
     pub nozzle: &'a Nozzle,
     pub options: &'a GougingOptions,
-    pub progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    pub progress: ProgressFn<'a>,
 }
 
 /// A path in the order of its layer.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
-    pub laid: Laid,
+    pub laid: DepositedPath,
     /// Whether it is laid before what is left of the curves of the layer.
     pub first: bool,
-    pub freed: FreedPath,
+    pub freed: ResolvedPath,
     /// Whether it is still to be set free, or once more.
     open: bool,
 }
 
 impl Place {
     fn new(path: ToolPath, first: bool) -> Self {
-        Place { laid: Laid { path, touched: Vec::new() }, first, freed: FreedPath::default(), open: true }
+        Place { laid: DepositedPath { path, touched: Vec::new() }, first, freed: ResolvedPath::default(), open: true }
     }
 }
 
@@ -232,7 +231,7 @@ impl Resolving<'_> {
             let back = back.freed(layer);
             let last = path.waypoints.len() - 1;
             let left = back.left.iter().rev().map(|&(k, gouge)| (last - k, gouge)).collect();
-            FreedPath { reversed: true, left, ..back }
+            ResolvedPath { reversed: true, left, ..back }
         };
         let found = parallel::map(&wanted, "gouging", self.progress, work).ok_or(GougingError::Cancelled)?;
         for (&(k, place), found) in wanted.iter().zip(found) {

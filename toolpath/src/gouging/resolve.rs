@@ -5,10 +5,9 @@ use super::nozzle::Nozzle;
 use super::options::GougingOptions;
 use super::order::{Resolving, Run};
 use super::resolved::ResolvedPaths;
-use crate::Progress;
+use crate::ProgressFn;
 use crate::layer::LayerStack;
 use crate::orientation::{ToolPath, Turns, Waypoint};
-use std::ops::ControlFlow;
 
 impl LayerStack<'_> {
     /// Tilts the nozzle where it would gouge what is built by then.
@@ -55,7 +54,7 @@ impl LayerStack<'_> {
         paths: Vec<ToolPath>,
         nozzle: &Nozzle,
         options: &GougingOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<ResolvedPaths, GougingError> {
         options.check()?;
         self.check_paths(&paths)?;

@@ -6,14 +6,13 @@ use super::pattern;
 use super::site::Site;
 use super::sparse::SparseFill;
 use super::split::{Class, Sheet};
-use crate::Progress;
+use crate::ProgressFn;
 use crate::geodesic::SurfaceDistance;
 use crate::layer::LayerSurface;
 use crate::level_set::LevelField;
 use crate::mesh::SurfaceMesh;
 use crate::path::{BeadKind, InfillOptions, LayerPaths, PathOptions, PathPoint, Pattern, SurfacePath};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// How far level sets may be off, in beads. Less takes longer and moves curves by less than a machine resolves; with more
 /// the outermost bead spills over the boundary.
@@ -51,7 +50,7 @@ pub(crate) fn filled(
     surface: &LayerSurface,
     options: &PathOptions,
     site: &Site,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Filled, FillError> {
     let (mesh, bead, infill) = (field.distance().mesh(), options.bead, options.infill);
     // Rows know nothing of the boundary, so they make no walls.
@@ -119,11 +118,7 @@ pub(crate) fn thickness(surface: &LayerSurface, triangle: u32) -> f64 {
 }
 
 /// A surface filled solid, by the distance to its own boundary.
-fn solid_paths(
-    mesh: &SurfaceMesh,
-    options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<LayerPaths, FillError> {
+fn solid_paths(mesh: &SurfaceMesh, options: &PathOptions, progress: ProgressFn) -> Result<LayerPaths, FillError> {
     let distance = SurfaceDistance::to_boundary(mesh, progress)?;
     let field = LevelField::new(&distance, TOLERANCE * options.bead, progress)?;
     Ok(field.paths(options, progress)?)

@@ -1,10 +1,7 @@
 //! Back from a part of a mesh to the mesh.
 
-use crate::mesh::SurfaceMesh;
-use crate::mesh::SurfacePoint;
-use crate::mesh::on_mesh_triangle;
-use crate::path::BeadKind;
-use crate::path::{PathPoint, SurfacePath};
+use crate::mesh::{SurfaceMesh, SurfacePoint, on_mesh_triangle};
+use crate::path::{BeadKind, PathPoint, SurfacePath};
 
 /// Back from a part of a mesh to the mesh.
 #[derive(Clone, Copy)]

@@ -10,13 +10,13 @@
 //! Departs from exact: coverage is sampled at vertices, and the growth goes along edges of the mesh, by up to a sixth less than asked for.
 
 use super::site::Site;
+use crate::ProgressFn;
 use crate::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, Node, StackError, Triangle, Walk, of_layer};
+use crate::parallel;
 use crate::path::PathOptions;
-use crate::{Progress, parallel};
 use nalgebra::{Point3, Vector3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::ops::ControlFlow;
 
 /// Columns reach this many thicknesses for each layer: layers are no more than that apart where they belong together.
 const COLUMN: f64 = 1.5;
@@ -45,7 +45,7 @@ pub(crate) fn sites<'a>(
     surfaces: &[LayerSurface<'a>],
     is_wanted: impl Fn(usize) -> bool + Sync,
     options: &PathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<Option<Sites<'a>>, StackError> {
     let skin = options.infill.skin as usize;
     let stack = (skin > 0).then(|| LayerStack::with_curves(surfaces.iter().map(built).collect())).transpose()?;

@@ -4,8 +4,7 @@
 //! it a little: pieces are then no slivers beyond what the mesh had.
 
 use crate::level_set::LevelField;
-use crate::mesh::on_mesh_triangle;
-use crate::mesh::{MeshError, SurfaceMesh};
+use crate::mesh::{MeshError, SurfaceMesh, on_mesh_triangle};
 use nalgebra::Point3;
 use std::collections::BTreeMap;
 

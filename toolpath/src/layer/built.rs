@@ -7,11 +7,11 @@ use crate::path::BeadKind;
 use nalgebra::{Point3, Vector3};
 
 /// Triangles and points are numbered in 32 bits.
-pub(super) const MOST: usize = 1 << 30;
+pub(super) const MAX_TRIANGLES: usize = 1 << 30;
 
 /// Coordinates, widths and heights beyond this are refused: a part is not ten kilometres wide, and squares stay exact
 /// enough.
-pub(super) const LARGEST: f64 = 1e7;
+pub(super) const MAX_COORDINATE_MM: f64 = 1e7;
 
 /// A curve on a layer, along which a bead is laid.
 #[derive(Clone, Copy, Debug)]
@@ -93,10 +93,10 @@ fn normals(layer: &Built) -> Vec<Vector3<f64>> {
 }
 
 pub(super) fn sound(p: &Point3<f64>) -> bool {
-    p.iter().all(|c| c.abs() <= LARGEST)
+    p.iter().all(|c| c.abs() <= MAX_COORDINATE_MM)
 }
 
-/// The first triangle with a corner that is none of so many vertices, and that corner.
+/// The first triangle with a corner beyond the given number of vertices, and that corner.
 pub(super) fn unknown_corner(triangles: &[[u32; 3]], vertices: usize) -> Option<(usize, u32)> {
     let unknown = |corners: &[u32; 3]| corners.iter().copied().find(|&corner| corner as usize >= vertices);
     triangles.iter().enumerate().find_map(|(triangle, corners)| Some((triangle, unknown(corners)?)))
@@ -113,7 +113,7 @@ pub(super) fn check(number: usize, layer: &Built) -> Result<(), StackError> {
     if triangles != spacing {
         return Err(StackError::SpacingCount { layer: number, spacing, triangles });
     }
-    let positive = |value: f64| value > 0.0 && value < LARGEST;
+    let positive = |value: f64| value > 0.0 && value < MAX_COORDINATE_MM;
     if let Some(triangle) = layer.spacing.iter().position(|&s| !positive(s)) {
         return Err(StackError::BadSpacing { layer: number, triangle, spacing: layer.spacing[triangle] });
     }

@@ -144,10 +144,10 @@ pub enum MouldError {
         /// Vertices that there are.
         vertices: usize,
     },
-    /// The skin has no thickness.
-    #[error("a skin of {skin} mm: it must be above 0 and at most 1e7")]
-    BadSkin {
-        /// The skin.
-        skin: f64,
+    /// The thickness is not a length.
+    #[error("a thickness of {thickness} mm: it must be above 0 and at most 1e7")]
+    BadThickness {
+        /// The thickness.
+        thickness: f64,
     },
 }

@@ -10,10 +10,10 @@ use crate::cells::cell_of;
 use nalgebra::{Point3, UnitVector3};
 
 /// Reaches and coordinates beyond this, in millimetres, are refused: numbers of cells stay exact.
-const LARGEST: f64 = 1e7;
+const MAX_COORDINATE_MM: f64 = 1e7;
 
 /// And the reach is at least this, in millimetres, for the same reason.
-const LEAST_REACH: f64 = 1e-6;
+const MIN_REACH: f64 = 1e-6;
 
 /// Directions known at some places.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,13 +34,13 @@ struct Place {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HintError {
-    /// A reach that is none.
+    /// The reach is out of its range.
     #[error("a reach of {reach_mm} mm: it must lie between 1e-6 and 1e7")]
     Reach {
         /// The reach.
         reach_mm: f64,
     },
-    /// A place that is nowhere, or a direction that is none.
+    /// A place or a direction is invalid.
     #[error("place {place} is not finite, beyond 1e7 mm, or has no unit direction")]
     Place {
         /// Its number, from 0.
@@ -72,11 +72,11 @@ impl DirectionHints {
     /// # Ok::<(), curvlay_toolpath::layer::HintError>(())
     /// ```
     pub fn new(known: &[(Point3<f64>, UnitVector3<f64>)], reach_mm: f64) -> Result<Self, HintError> {
-        if !(LEAST_REACH..=LARGEST).contains(&reach_mm) {
+        if !(MIN_REACH..=MAX_COORDINATE_MM).contains(&reach_mm) {
             return Err(HintError::Reach { reach_mm });
         }
         let is_sound = |(at, direction): &(Point3<f64>, UnitVector3<f64>)| {
-            at.iter().all(|c| c.abs() <= LARGEST) && (direction.norm_squared() - 1.0).abs() < 1e-6
+            at.iter().all(|c| c.abs() <= MAX_COORDINATE_MM) && (direction.norm_squared() - 1.0).abs() < 1e-6
         };
         if let Some(place) = known.iter().position(|place| !is_sound(place)) {
             return Err(HintError::Place { place });

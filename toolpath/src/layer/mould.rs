@@ -1,6 +1,6 @@
 //! What is there before the first layer.
 
-use super::built::{Built, LARGEST, MOST, Prepared, prepare, sound, unknown_corner};
+use super::built::{Built, MAX_COORDINATE_MM, MAX_TRIANGLES, Prepared, prepare, sound, unknown_corner};
 use super::error::{MouldError, StackError};
 use super::keys::{below_layer, keys_by_layer};
 use super::stack::LayerStack;
@@ -16,24 +16,24 @@ pub struct Mould<'a> {
     /// Triangles, counter-clockwise seen from outside.
     pub triangles: &'a [[u32; 3]],
     /// The nozzle is held against the surface as if that were a layer of this thickness in millimetres: half of it lies outside, and may be
-    /// entered by the share that is allowed for layers. So with a quarter the nozzle keeps a quarter of the skin off it. About the height of a layer.
-    pub skin: f64,
+    /// entered by the share that is allowed for layers. So with a quarter the nozzle keeps a quarter of it off the surface. About the height of a layer.
+    pub thickness: f64,
 }
 
 impl Mould<'_> {
     /// Its triangles that have an area.
     fn prepared(&self) -> Result<Prepared, MouldError> {
         self.check()?;
-        let &Mould { vertices, triangles, skin } = self;
-        let spacing = vec![skin; triangles.len()];
+        let &Mould { vertices, triangles, thickness } = self;
+        let spacing = vec![thickness; triangles.len()];
         let prepared = prepare(MOULD, &Built { vertices, triangles, spacing: &spacing, curves: Vec::new() });
         if prepared.triangles.is_empty() { Err(MouldError::NoArea) } else { Ok(prepared) }
     }
 
     fn check(&self) -> Result<(), MouldError> {
-        let &Mould { vertices, triangles, skin } = self;
-        if !(skin > 0.0 && skin <= LARGEST) {
-            return Err(MouldError::BadSkin { skin });
+        let &Mould { vertices, triangles, thickness } = self;
+        if !(thickness > 0.0 && thickness <= MAX_COORDINATE_MM) {
+            return Err(MouldError::BadThickness { thickness });
         }
         if let Some(vertex) = vertices.iter().position(|p| !sound(p)) {
             return Err(MouldError::BadVertex { vertex });
@@ -91,7 +91,7 @@ impl LayerStack<'_> {
     /// let line = [ramp(5.0, 10.0, 0.4), ramp(15.0, 10.0, 0.4)];
     /// let curves = [LayerCurve { points: &line, widths: &[0.8; 2], kinds: &[], closed: false }];
     /// let layers = [BuiltLayer { vertices: &layer, triangles: &triangles, spacing: &[0.8; 2], curves: &curves }];
-    /// let stack = LayerStack::new(&layers)?.on_mould(&Mould { vertices: &mould, triangles: &triangles, skin: 0.8 })?;
+    /// let stack = LayerStack::new(&layers)?.on_mould(&Mould { vertices: &mould, triangles: &triangles, thickness: 0.8 })?;
     /// let oriented = stack.orient(&OrientOptions::default(), &silent)?;
     /// let away = Vector3::new(-1.0, 0.0, 1.0).normalize();
     /// assert!(oriented.paths[0].waypoints.iter().all(|at| (at.direction.into_inner() - away).norm() < 1e-9));
@@ -106,11 +106,11 @@ impl LayerStack<'_> {
         all.extend(of_layers.map(|triangle| Triangle { rims: triangle.rims.map(|k| k + before), ..*triangle }));
         // As if the mould were a layer before the first: what is found does not depend on how it came to be there.
         all.sort_unstable_by_key(|triangle| (triangle.layer.wrapping_add(1), triangle.index));
-        if all.len() > MOST {
+        if all.len() > MAX_TRIANGLES {
             return Err(MouldError::TooLarge { triangles: all.len() }.into());
         }
         let corners = || of_mould.iter().flat_map(|triangle| triangle.corners);
-        let half = Vector3::repeat(mould.skin / 2.0);
+        let half = Vector3::repeat(mould.thickness / 2.0);
         let low = corners().fold(Point3::from([f64::INFINITY; 3]), |low, p| low.inf(&p)) - half;
         let high = corners().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, p| high.sup(&p)) + half;
         let tree = Tree::new(all);

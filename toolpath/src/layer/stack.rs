@@ -4,7 +4,7 @@
 //! earliest of its triangles, so a question about what is built by now passes over all that comes later. A mould on which the part is built
 //! is there before the first layer.
 
-use super::built::{Built, BuiltLayer, LayerCurve, MOST, check, prepare};
+use super::built::{Built, BuiltLayer, LayerCurve, MAX_TRIANGLES, check, prepare};
 use super::error::StackError;
 use super::hints::DirectionHints;
 use super::keys::{keys_by_layer, of_layer};
@@ -27,7 +27,7 @@ pub struct LayerStack<'a> {
     pub(crate) rims: Vec<[Point3<f64>; 2]>,
     /// Directions that are known ([`LayerStack::with_hints`]).
     pub(crate) hints: DirectionHints,
-    /// Lower and upper corner of a box around the mould, its skin included.
+    /// Lower and upper corner of a box around the mould, half of its thickness included.
     pub(crate) mould: Option<[Point3<f64>; 2]>,
 }
 
@@ -84,7 +84,7 @@ impl<'a> LayerStack<'a> {
 
     fn of(layers: Vec<Built<'a>>) -> Result<Self, StackError> {
         let triangles = layers.iter().map(|layer| layer.triangles.len()).sum();
-        if triangles > MOST {
+        if triangles > MAX_TRIANGLES {
             return Err(StackError::TooLarge { triangles });
         }
         layers.iter().enumerate().try_for_each(|(number, layer)| check(number, layer))?;

@@ -10,7 +10,7 @@
 //! graph: the Reeb graph of the distance, cut at the levels. For a region without holes it is a tree.
 //!
 //! *Pockets* are the branches of the tree of regions above a level (the split tree), each from its summit down to the
-//! saddle where it joins a higher one. Lesser bumps than asked for are not told apart; on the medial axis the field is
+//! saddle where it joins a higher one. Bumps lower than asked for are not separated; on the medial axis the field is
 //! nearly level, and rounding makes many of them.
 //!
 //! * `field`: the distance, linear over triangles; `refine`: that it is. `rings`: level sets. `bands`: what lies between.

@@ -2,7 +2,7 @@
 //!
 //! Vertices are visited from the highest down. Each starts a region of its own, or joins those of its higher
 //! neighbours: then it is a saddle, and all but the highest of their pockets end there. This is the split tree of the
-//! field, which is linear over triangles, so its summits and saddles are vertices; equal values are told apart by the
+//! field, which is linear over triangles, so its summits and saddles are vertices; equal values are ordered by the
 //! numbers of the vertices.
 
 use super::around::Around;

@@ -6,13 +6,12 @@
 
 use super::LevelSetError;
 use super::field::LevelField;
-use crate::Progress;
 use crate::geodesic::{SurfaceDistance, TriangleLights};
 use crate::mesh::{NONE, next, previous};
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
-use std::ops::ControlFlow;
 
 /// Places on an edge where the distance is compared with the straight line. A tent over an edge stands at one of
 /// them at least three quarters as high as at its ridge.
@@ -22,16 +21,16 @@ const EDGE_SHARE: f64 = 0.5;
 /// A longer edge of the same triangle that is off by this share is cut first. Else, beside an edge that just passes,
 /// cuts run to and fro between two ridges that cross it, and come nearer to it without end.
 const LONGER_SHARE: f64 = 0.25;
-/// A triangle lower than this share of the tolerance lies on its longest edge as far as the distance can tell.
+/// A triangle lower than this share of the tolerance counts as lying on its longest edge.
 const FLAT: f64 = 0.25;
 /// Steps of the search for the ridge on an edge; two or three will do, unless many ridges are near each other.
 const STEPS: usize = 16;
-/// The ridge is found where the distance is off what the slopes on both sides tell by this share of the tolerance.
+/// The ridge is found where the distance is off what the slopes on both sides predict by this share of the tolerance.
 const RIDGE: f64 = 0.002;
 /// A cut this near to an end, as a share of the edge, would make a sliver; then the middle will do.
 const NEAR_END: f64 = 1e-3;
 /// New triangles for each old one, and in any case, beyond which the tolerance is refused as too fine.
-const MOST_NEW: [usize; 2] = [64, 1 << 16];
+const MAX_NEW: [usize; 2] = [64, 1 << 16];
 
 /// Triangles whose lights are kept. Cuts come by length, so the same triangles come again and again; layers have some
 /// thousands. One takes some kilobytes.
@@ -85,11 +84,7 @@ impl<'d> LevelField<'d> {
     ///
     /// # Cost
     /// A few questions for the distance on each edge, and some fifty on each edge that the medial axis crosses.
-    pub fn new(
-        distance: &'d SurfaceDistance<'d>,
-        tolerance: f64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Self, LevelSetError> {
+    pub fn new(distance: &'d SurfaceDistance<'d>, tolerance: f64, progress: ProgressFn) -> Result<Self, LevelSetError> {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(LevelSetError::Tolerance { tolerance });
         }
@@ -130,8 +125,8 @@ impl<'r, 'd> Refiner<'r, 'd> {
         refiner
     }
 
-    fn refine(&mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), LevelSetError> {
-        let most = self.field.triangles.len() * (MOST_NEW[0] + 1) + MOST_NEW[1];
+    fn refine(&mut self, progress: ProgressFn) -> Result<(), LevelSetError> {
+        let most = self.field.triangles.len() * (MAX_NEW[0] + 1) + MAX_NEW[1];
         loop {
             while let Some(Off { key: (_, Reverse(h)), ends, cut }) = self.edges.pop() {
                 if [self.field.tail(h), self.field.head(h)] != ends {
@@ -399,7 +394,7 @@ impl<'r, 'd> Refiner<'r, 'd> {
 }
 
 /// Where the distance is highest above the straight line along an edge that rises by `chord`; near a place on it. The
-/// search is over where slopes tell the distance to within `enough`.
+/// search is over where slopes predict the distance to within `enough`.
 fn ridge(lights: &TriangleLights, [a, b]: [[f64; 2]; 2], chord: f64, near: f64, enough: f64) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let above = |t: f64| {
@@ -417,12 +412,12 @@ fn ridge(lights: &TriangleLights, [a, b]: [[f64; 2]; 2], chord: f64, near: f64, 
         if !(low.0 < meet && meet < high.0) {
             meet = 0.5 * (low.0 + high.0);
         }
-        let told = low.1 + low.2 * (meet - low.0);
+        let predicted = low.1 + low.2 * (meet - low.0);
         let there = above(meet);
         if there.1 > best.1 {
             best = there;
         }
-        if (there.1 - told).abs() <= enough {
+        if (there.1 - predicted).abs() <= enough {
             break;
         }
         if there.2 > 0.0 {

@@ -10,10 +10,10 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// A triangle lower than this share of its longest edge is refused: a corner's direction, and with it every unfolding
 /// over the triangle, would be rounding noise. A double holds 16 digits; this leaves four of them to the height.
-const LEAST_HEIGHT: f64 = 1e-12;
+const MIN_HEIGHT: f64 = 1e-12;
 
 /// Coordinates beyond this are refused: their squares must stay finite.
-const LARGEST_COORDINATE: f64 = 1e100;
+const MAX_COORDINATE: f64 = 1e100;
 
 /// An oriented manifold of triangles, with or without a boundary.
 #[derive(Clone, Debug)]
@@ -293,7 +293,7 @@ fn check_corners(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(),
     if triangles.len().max(vertices.len()) > 1 << 29 {
         return Err(MeshError::TooLarge { triangles: triangles.len(), vertices: vertices.len() });
     }
-    let sound = |p: &Point3<f64>| p.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
+    let sound = |p: &Point3<f64>| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
     if let Some(vertex) = vertices.iter().position(|p| !sound(p)) {
         return Err(MeshError::BadVertex { vertex });
     }
@@ -304,7 +304,7 @@ fn check_corners(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(),
         let [a, b, c] = corners.map(|v| vertices[v as usize]);
         let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
         let height = (b - a).cross(&(c - a)).norm() / longest; // as a share of the longest edge
-        let has_height = height > LEAST_HEIGHT; // false for 0/0 too
+        let has_height = height > MIN_HEIGHT; // false for 0/0 too
         if !has_height {
             return Err(MeshError::Degenerate { triangle });
         }

@@ -7,8 +7,8 @@ use super::{Way, gap};
 use nalgebra::Point3;
 
 /// Curves in a layer, and steps of the program, at most: a few milliseconds. Beyond it `local` takes over.
-const MOST_CURVES: usize = 10;
-const MOST_STEPS: usize = 1 << 22;
+const MAX_CURVES: usize = 10;
+const MAX_STEPS: usize = 1 << 22;
 
 /// No way.
 const NONE: u16 = u16::MAX;
@@ -16,7 +16,7 @@ const NONE: u16 = u16::MAX;
 /// Whether a layer is small enough.
 pub(super) fn fits(choice: &[Vec<Way>]) -> bool {
     let ways: usize = choice.iter().map(Vec::len).sum();
-    choice.len() <= MOST_CURVES && (ways * ways) << choice.len() <= MOST_STEPS
+    choice.len() <= MAX_CURVES && (ways * ways) << choice.len() <= MAX_STEPS
 }
 
 /// For each way in which the last curve may be travelled the shortest order, begun at any of `ends` with what it took to

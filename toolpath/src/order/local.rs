@@ -10,10 +10,10 @@ use nalgebra::Point3;
 const MOVED: usize = 3;
 
 /// A change must gain more than this share of the way, or rounding could go in circles.
-const LEAST_GAIN: f64 = 1e-12;
+const MIN_GAIN: f64 = 1e-12;
 
 /// Steps of the search at most: some seconds. On layers of up to a thousand curves it ends by itself.
-const MOST_STEPS: usize = 1 << 30;
+const MAX_STEPS: usize = 1 << 30;
 
 /// Steps from one report to the next: some milliseconds.
 const STEPS_PER_REPORT: usize = 1 << 20;
@@ -65,8 +65,8 @@ pub(super) fn improve(
     watch: Watch,
 ) -> Result<(), OrderError> {
     let mut search = Search { order, curves, from, to, least: 0.0, steps: 0, next_report: 0, watch };
-    search.least = LEAST_GAIN * length(search.order, from, to);
-    while search.steps < MOST_STEPS && (search.turn()? | search.shift()?) {}
+    search.least = MIN_GAIN * length(search.order, from, to);
+    while search.steps < MAX_STEPS && (search.turn()? | search.shift()?) {}
     Ok(())
 }
 

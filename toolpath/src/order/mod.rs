@@ -20,7 +20,7 @@ mod exact;
 mod local;
 mod travelled;
 
-use crate::Progress;
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 
@@ -182,10 +182,7 @@ fn total(layers: &[Vec<Way>]) -> f64 {
 /// assert_eq!(order.layers[0][1], Visit { curve: 2, start: 1, reversed: true });
 /// # Ok::<(), curvlay_toolpath::order::OrderError>(())
 /// ```
-pub fn order_curves(
-    layers: &[Vec<TravelCurve>],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<TravelOrder, OrderError> {
+pub fn order_curves(layers: &[Vec<TravelCurve>], progress: ProgressFn) -> Result<TravelOrder, OrderError> {
     let watch = |done: usize| match progress(Progress { stage: "order", done: done as u64, total: layers.len() as u64 })
     {
         ControlFlow::Continue(()) => Ok(()),

@@ -24,18 +24,18 @@ pub use pose::Pose;
 pub(crate) use pose::{farthest, lean};
 pub(crate) use smooth::{TURN_ROUNDING, along, angle, between, part_way};
 
+use crate::ProgressFn;
 use crate::layer::LayerStack;
+use crate::parallel;
 use crate::path::BeadKind;
-use crate::{Progress, parallel};
 use nalgebra::{Point3, UnitVector3, Vector3};
 use resample::Line;
-use std::ops::ControlFlow;
 
 /// Samples beyond this number are refused: the step is then a slip of the unit.
-const MOST_SAMPLES: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e8;
 
 /// Least turn that may be asked for, in radians: 0.1 degrees. Below it a crest would take thousands of points.
-pub(crate) const LEAST_TURN: f64 = 0.1_f64.to_radians();
+pub(crate) const MIN_TURN: f64 = 0.1_f64.to_radians();
 
 /// How paths are sampled and oriented.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub struct OrientOptions {
     /// Waves of the directions along a path that are shorter than this, in millimetres, are taken out: 20. One of this length
     /// keeps half its height; with 0 all stay. An arm has to follow each of them with its wrist.
     pub wave: f64,
-    /// As far as the direction is then within this of what it was: 25 degrees, in radians.
+    /// A direction changes by no more than this for that: 25 degrees, in radians.
     pub max_tilt: f64,
     /// Directions of neighbours may differ by this: 10 degrees, in radians.
     pub max_turn: f64,
@@ -218,7 +218,7 @@ pub struct Oriented {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OrientError {
-    /// An option that is no use.
+    /// An option is out of its range.
     #[error("{option} is {value}: {wanted}")]
     Option {
         /// Its name.
@@ -258,7 +258,7 @@ impl OrientOptions {
         let turn = "an angle of 0.1 to 180 degrees, in radians";
         let sound = [
             ("step", self.step, self.step > 0.0 && self.step.is_finite(), "above 0 and finite"),
-            ("corner", self.corner, (LEAST_TURN..=std::f64::consts::PI).contains(&self.corner), turn),
+            ("corner", self.corner, (MIN_TURN..=std::f64::consts::PI).contains(&self.corner), turn),
             ("wave", self.wave, self.wave >= 0.0 && self.wave.is_finite(), "0 or more, and finite"),
             (
                 "max_tilt",
@@ -266,7 +266,7 @@ impl OrientOptions {
                 (0.0..=std::f64::consts::PI).contains(&self.max_tilt),
                 "0 to 180 degrees, in radians",
             ),
-            ("max_turn", self.max_turn, (LEAST_TURN..=std::f64::consts::PI).contains(&self.max_turn), turn),
+            ("max_turn", self.max_turn, (MIN_TURN..=std::f64::consts::PI).contains(&self.max_turn), turn),
             ("lift", self.lift, (0.0..=1.0).contains(&self.lift), "0 to 1 heights of the layer"),
         ];
         match sound.into_iter().find(|(.., sound, _)| !sound) {
@@ -315,16 +315,12 @@ impl LayerStack<'_> {
     /// assert_eq!((waypoints[0].tip, waypoints[0].direction), (Point3::new(1.0, 5.0, 0.8), Vector3::z_axis()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn orient(
-        &self,
-        options: &OrientOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Oriented, OrientError> {
+    pub fn orient(&self, options: &OrientOptions, progress: ProgressFn) -> Result<Oriented, OrientError> {
         options.check()?;
         let each = |layer: usize| (0..self.layers[layer].curves.len()).map(move |curve| (layer, curve));
         let curves: Vec<(usize, usize)> = (0..self.layers.len()).flat_map(each).collect();
         let length: f64 = curves.iter().map(|&(layer, curve)| self.line(layer, curve).length()).sum();
-        if length / options.step > MOST_SAMPLES {
+        if length / options.step > MAX_SAMPLES {
             return Err(OrientError::TooFine { step: options.step, length });
         }
         let work = |_: usize, &(layer, curve): &(usize, usize)| self.sampled(layer, curve, options);
@@ -361,7 +357,7 @@ impl LayerStack<'_> {
     }
 
     /// Widths, layer by layer; `None` if cancelled.
-    fn share(&self, paths: &mut [ToolPath], progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Option<()> {
+    fn share(&self, paths: &mut [ToolPath], progress: ProgressFn) -> Option<()> {
         let of_layers: Vec<&[ToolPath]> = paths.chunk_by(|a, b| a.layer == b.layer).collect();
         let work = |_: usize, paths: &&[ToolPath]| share::widths(self, paths);
         let widths = parallel::map(&of_layers, "share", progress, work)?;

@@ -20,13 +20,13 @@ use nalgebra::Point3;
 const PART: f64 = 0.25;
 
 /// A side of a triangle is divided into no more parts than this: surfaces of layers have triangles like beads.
-const MOST_PARTS: usize = 64;
+const MAX_PARTS: usize = 64;
 
 /// No bead gets narrower than this share of its width: it must still be one.
-const LEAST: f64 = 0.05;
+const MIN_WIDTH_SHARE: f64 = 0.05;
 
 /// Nor wider than this: the round end of a bead reaches beyond its last point, and is laid before it.
-const MOST: f64 = 2.0;
+const MAX_WIDTH_SHARE: f64 = 2.0;
 
 /// Points of a curve that are this near to the straight line between others, in widths of the bead, make no difference.
 /// Twice as much leaves a hundredth of a thin rib bare; less takes longer.
@@ -73,7 +73,7 @@ pub(super) fn widths(stack: &LayerStack, paths: &[ToolPath]) -> Vec<f64> {
             let (start, end) = (k.saturating_sub(1), (k + 1).min(areas.len()));
             let length = waypoints[end].arc - waypoints[start].arc;
             let width = if length > 0.0 { areas[start..end].iter().sum::<f64>() / length } else { waypoint.width };
-            widths.push(width.clamp(LEAST * waypoint.width, MOST * waypoint.width));
+            widths.push(width.clamp(MIN_WIDTH_SHARE * waypoint.width, MAX_WIDTH_SHARE * waypoint.width));
         }
     }
     widths
@@ -106,7 +106,7 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
         let triangle = &stack.tree.triangles()[of_triangle[0].0 as usize];
         let [a, b, c] = triangle.corners;
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-        let parts = ((longest / (PART * widest)).ceil().max(1.0) as usize).min(MOST_PARTS);
+        let parts = ((longest / (PART * widest)).ceil().max(1.0) as usize).min(MAX_PARTS);
         let area = triangle.normal().norm() / 2.0 / (parts * parts) as f64;
         for middle in middles([a, b, c], parts) {
             let mut best: (f64, Option<(usize, f64)>) = (f64::INFINITY, None);

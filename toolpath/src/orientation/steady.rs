@@ -1,4 +1,4 @@
-//! Directions along a path made steady: short waves are taken out, as far as directions stay near what they were.
+//! Directions along a path made steady: short waves are taken out while directions stay near what they were.
 //!
 //! Directions that come from the nearest point of the layer below (Dai 2020, section 3.5.1) jump from triangle to triangle. A
 //! robot has to follow each jump with its whole wrist. Here the directions `d` are those of least
@@ -11,11 +11,11 @@ use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 
 /// Points nearer than this along the path, in millimetres, are taken to be so far apart.
-const LEAST_STEP_MM: f64 = 1e-3;
+const MIN_STEP_MM: f64 = 1e-3;
 
 /// By how much a direction that is too far off weighs more, and how often: the last weight is as good as holding it.
 const HEAVIER: f64 = 4.0;
-const MOST_ROUNDS: usize = 12;
+const MAX_ROUNDS: usize = 12;
 
 /// Makes directions steady. Arcs do not fall.
 pub(super) fn steady(directions: &mut [UnitVector3<f64>], arcs: &[f64], wave: f64, max_tilt: f64) {
@@ -24,13 +24,13 @@ pub(super) fn steady(directions: &mut [UnitVector3<f64>], arcs: &[f64], wave: f6
         return;
     }
     let raw = directions.to_vec();
-    let steps: Vec<f64> = arcs.windows(2).map(|pair| (pair[1] - pair[0]).max(LEAST_STEP_MM)).collect();
+    let steps: Vec<f64> = arcs.windows(2).map(|pair| (pair[1] - pair[0]).max(MIN_STEP_MM)).collect();
     // Each point stands for the half steps beside it.
     let lengths: Vec<f64> =
         (0..n).map(|k| 0.5 * (steps.get(k).unwrap_or(&0.0) + k.checked_sub(1).map_or(0.0, |k| steps[k]))).collect();
     let bending = bending(&steps, (wave / TAU).powi(4));
     let mut weights = lengths;
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let found = least(&bending, &weights, &raw);
         let mut is_far = false;
         for k in 0..n {

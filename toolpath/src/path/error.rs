@@ -31,13 +31,13 @@ pub enum PathError {
         /// What was asked for.
         beads: f64,
     },
-    /// The least width of a bead is none between a quarter and three quarters of a bead.
+    /// The least width of a bead is not between a quarter and three quarters of a bead.
     #[error("a least width of {beads} beads: it must be from 0.25 to 0.75")]
     MinWidth {
         /// What was asked for.
         beads: f64,
     },
-    /// An option of walls, skins and infill that is no use.
+    /// An option of walls, skins or infill is out of its range.
     #[error("{option} is {value}: it must be {wanted}")]
     Infill {
         /// Its name.

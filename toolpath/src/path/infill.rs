@@ -47,7 +47,7 @@ impl Default for InfillOptions {
 }
 
 /// Walls and skins beyond this number are a slip.
-const MOST: u32 = 10_000;
+const MAX_LAYERS: u32 = 10_000;
 
 impl InfillOptions {
     /// Whether all layers are filled solid.
@@ -59,8 +59,8 @@ impl InfillOptions {
         let InfillOptions { density, walls, skin, turn, overlap, .. } = *self;
         let sound = [
             ("density", density, (0.0..=1.0).contains(&density), "from 0 to 1"),
-            ("walls", f64::from(walls), walls <= MOST, "10000 at most"),
-            ("skin", f64::from(skin), skin <= MOST, "10000 at most"),
+            ("walls", f64::from(walls), walls <= MAX_LAYERS, "10000 at most"),
+            ("skin", f64::from(skin), skin <= MAX_LAYERS, "10000 at most"),
             ("turn", turn, turn.is_finite(), "finite"),
             ("overlap", overlap, (0.0..=0.5).contains(&overlap), "from 0 to 0.5 beads"),
         ];

@@ -5,11 +5,11 @@
 //! left out, as [`GougingOptions`](crate::gouging::GougingOptions) says.
 
 use super::print::{PrintError, PrintOptions, PrintPlan};
-use crate::Progress;
 use crate::deposit::deposit_along;
 use crate::gouging::Nozzle;
 use crate::layer::LayerStack;
 use crate::orientation::{OrientOptions, ToolPath, Turns};
+use crate::{Progress, ProgressFn};
 use nalgebra::UnitVector3;
 use std::ops::ControlFlow;
 
@@ -50,7 +50,7 @@ impl LayerStack<'_> {
         directions: &[UnitVector3<f64>],
         nozzle: &Nozzle,
         options: &PrintOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<PrintPlan, PrintError> {
         if directions.len() != self.layers.len() {
             return Err(PrintError::SurfaceCount { surfaces: directions.len(), layers: self.layers.len() });

@@ -3,13 +3,13 @@
 //! Dai 2020, sections 3.5.2 and 3.6.3. Waypoints along the curves ([`LayerStack::orient`]), a nozzle that gouges nothing
 //! ([`LayerStack::resolve_gouging`]), ways from path to path ([`LayerStack::travels`]), what is laid and how fast ([`deposit_along`]).
 
-use crate::Progress;
 use crate::deposit::{Deposition, DepositionError, DepositionOptions, deposit_along};
 use crate::fill::FilledLayers;
 use crate::gouging::{GougingError, GougingOptions, Nozzle, ResolvedPaths};
 use crate::layer::{LayerStack, LayerSurface, StackError};
 use crate::orientation::{OrientError, OrientOptions, Turns};
 use crate::travel::{TravelOptions, Travels};
+use crate::{Progress, ProgressFn};
 use std::ops::ControlFlow;
 
 /// How deep the nozzle may be in a layer at waypoints, as a share of its height. A little less than the quarter that it may
@@ -131,7 +131,7 @@ impl FilledLayers {
         surfaces: &[LayerSurface],
         nozzle: &Nozzle,
         options: &PrintOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn,
     ) -> Result<PrintPlan, PrintError> {
         let (surfaces_given, layers) = (surfaces.len(), self.layers.len());
         if surfaces_given != layers {
@@ -153,12 +153,7 @@ impl LayerStack<'_> {
     ///
     /// # Cost
     /// Some 50 microseconds a waypoint, and one to three milliseconds a travel. The result does not depend on the number of threads.
-    pub fn plan(
-        &self,
-        nozzle: &Nozzle,
-        options: &PrintOptions,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<PrintPlan, PrintError> {
+    pub fn plan(&self, nozzle: &Nozzle, options: &PrintOptions, progress: ProgressFn) -> Result<PrintPlan, PrintError> {
         let begin = |stage: &'static str| match progress(Progress { stage, done: 0, total: 0 }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(PrintError::Cancelled),

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 const FEW: usize = 16;
 
 /// Cells of the grid along an edge, at most. Beyond, memory grows without gain.
-const MOST_CELLS: usize = 512;
+const MAX_CELLS: usize = 512;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Contact {
@@ -208,7 +208,7 @@ struct Cells<'p> {
 
 impl<'p> Cells<'p> {
     fn new(pieces: &'p [Piece], group: &'p [u32]) -> Self {
-        let side = ((group.len() as f64).sqrt().ceil() as usize).min(MOST_CELLS);
+        let side = ((group.len() as f64).sqrt().ceil() as usize).min(MAX_CELLS);
         let mut cells = Cells { pieces, group, side, first: vec![0; side * side + 1], within: Vec::new() };
         let mut entries = Vec::new();
         for k in 0..group.len() {

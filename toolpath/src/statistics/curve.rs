@@ -50,7 +50,7 @@ pub(super) struct Fan {
 
 /// A curve laid on the surface.
 #[derive(Debug, Default)]
-pub(super) struct Laid {
+pub(super) struct DepositedCurve {
     pub pieces: Vec<Piece>,
     pub fans: Vec<Fan>,
     pub closed: bool,
@@ -86,7 +86,7 @@ pub(super) fn lay(
     number: u32,
     curve: &BeadCurve,
     options: &StatisticsOptions,
-) -> Result<Laid, StatisticsError> {
+) -> Result<DepositedCurve, StatisticsError> {
     let sheet = tracer.sheet;
     let points = distinct(curve);
     let located = |(p, radius): (Vector3<f64>, f64), before: Option<(Spot, u32)>| {
@@ -98,7 +98,7 @@ pub(super) fn lay(
     let mut spots = vec![located(points[0], None)?];
     let ends = [points[0].0, points[points.len() - 1].0];
     let closed = points.len() > 2 && curve.points.first() == curve.points.last();
-    let mut laid = Laid { closed, ..Laid::default() };
+    let mut laid = DepositedCurve { closed, ..DepositedCurve::default() };
     laid.statistics.closed = closed;
     laid.statistics.entry_exit_mm = (ends[1] - ends[0]).norm();
     if points.len() == 1 {
@@ -126,7 +126,7 @@ fn flat_direction(sheet: &Sheet, triangle: u32, d: Vector3<f64>) -> Vector2<f64>
     Vector2::new(d.dot(&x), d.dot(&y)).try_normalize(0.0).unwrap_or_else(Vector2::x)
 }
 
-impl Laid {
+impl DepositedCurve {
     fn dot(&mut self, sheet: &Sheet, curve: u32, spot: Spot, radius: f64) {
         let centre = flat_point(sheet, spot.triangle, spot.weights);
         self.pieces.push(Piece {

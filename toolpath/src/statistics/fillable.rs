@@ -3,7 +3,7 @@
 //! A bead is a union of discs, none narrower than the least width. So without reaching over the boundary beads cover at
 //! most the *opening* of the surface by such a disc (Serra, "Image Analysis and Mathematical Morphology", 1982, chapter
 //! II): the union of all discs of at least that width that the boundary does not cut. On the raster, walks from the
-//! boundary tell how far from it samples are; the discs around those that are just far enough, up to the boundary, tell
+//! boundary measure how far from it samples are; the discs around those that are just far enough, up to the boundary, show
 //! what can be covered. Farther in each sample is in a disc of its own.
 //!
 //! The beads that were laid have no part in it.

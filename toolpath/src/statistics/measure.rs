@@ -8,7 +8,7 @@ use super::sheet::Sheet;
 use super::trace::Tracer;
 use super::walk::Walker;
 use super::{crossing, curve, fillable, gap, spill, straight};
-use crate::Progress;
+use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 
@@ -58,7 +58,7 @@ pub fn path_statistics(
     triangles: &[[u32; 3]],
     curves: &[BeadCurve<'_>],
     options: &StatisticsOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn,
 ) -> Result<PathStatistics, StatisticsError> {
     check_options(options)?;
     curves.iter().enumerate().try_for_each(|(number, curve)| check_curve(number, curve))?;
@@ -75,7 +75,7 @@ pub fn path_statistics(
             return Err(StatisticsError::Cancelled);
         }
         laid.push(match curve.points.is_empty() {
-            true => curve::Laid::default(),
+            true => curve::DepositedCurve::default(),
             false => curve::lay(&tracer, number as u32, curve, options)?,
         });
     }
@@ -129,13 +129,13 @@ pub fn path_statistics(
 fn of_curves(
     sheet: &Sheet,
     curves: &[BeadCurve],
-    laid: &[curve::Laid],
+    laid: &[curve::DepositedCurve],
     pieces: &[curve::Piece],
     closed: &[bool],
 ) -> PathStatistics {
     let (jumps, jump_mm) = jumps(curves);
     let each: Vec<CurveStatistics> = laid.iter().map(|l| l.statistics).collect();
-    let sum = |of: fn(&curve::Laid) -> f64| laid.iter().map(of).fold(0.0, |a, b| a + b);
+    let sum = |of: fn(&curve::DepositedCurve) -> f64| laid.iter().map(of).fold(0.0, |a, b| a + b);
     let bead_area_mm2 = sum(|l| l.bead);
     PathStatistics {
         area_mm2: sheet.area,

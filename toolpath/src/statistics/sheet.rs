@@ -59,14 +59,14 @@ pub(super) struct Sheet {
 }
 
 /// Coordinates beyond this are refused: their squares, and areas in squares of a step, must stay finite.
-const LARGEST_COORDINATE: f64 = 1e100;
+const MAX_COORDINATE: f64 = 1e100;
 
 impl Sheet {
     pub(super) fn new(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Sheet, StatisticsError> {
         if triangles.len().max(vertices.len()) > 1 << 29 {
             return Err(StatisticsError::TooLarge { triangles: triangles.len(), vertices: vertices.len() });
         }
-        if let Some(vertex) = vertices.iter().position(|p| !p.iter().all(|c| c.abs() <= LARGEST_COORDINATE)) {
+        if let Some(vertex) = vertices.iter().position(|p| !p.iter().all(|c| c.abs() <= MAX_COORDINATE)) {
             return Err(StatisticsError::BadVertex { vertex });
         }
         let points: Vec<_> = vertices.iter().map(|p| p.coords).collect();
@@ -127,7 +127,7 @@ fn flat(points: &[Vector3<f64>], corners: [u32; 3]) -> Flat {
     let foot = third.dot(&x);
     let up = third - x * foot;
     // Where the third corner lies on the longest edge any direction across it will do.
-    let level = base * LEAST_HEIGHT;
+    let level = base * MIN_HEIGHT;
     let (y, height) = match up.norm() {
         height if height > level => (up / height, height),
         _ => (any_normal(x), 0.0),
@@ -139,7 +139,7 @@ fn flat(points: &[Vector3<f64>], corners: [u32; 3]) -> Flat {
 }
 
 /// A triangle lower than this share of its longest edge counts as a segment: its plane would be rounding noise.
-const LEAST_HEIGHT: f64 = 1e-12;
+const MIN_HEIGHT: f64 = 1e-12;
 
 fn any_normal(x: Vector3<f64>) -> Vector3<f64> {
     let other = if x.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };

@@ -14,13 +14,13 @@ const FAN: f64 = std::f64::consts::PI / 32.0;
 
 /// A ray crosses each triangle once; around a vertex rounding could turn it in circles. More triangles than this within
 /// half a width count as not leaving the surface.
-const MOST_TRIANGLES: usize = 10_000;
+const MAX_TRIANGLES: usize = 10_000;
 
 /// The length of a ray up to the boundary, at most `length`.
 fn ray(sheet: &Sheet, mut triangle: u32, mut from: Vector2<f64>, mut direction: Vector2<f64>, length: f64) -> f64 {
     let mut gone = 0.0;
     let mut entry = 3;
-    for _ in 0..MOST_TRIANGLES {
+    for _ in 0..MAX_TRIANGLES {
         let at = &sheet.flats[triangle as usize].at;
         let mut out: Option<(f64, usize)> = None;
         for k in (0..3).filter(|&k| k != entry) {

@@ -9,7 +9,7 @@ use super::curve::Piece;
 const OFF: f64 = 1.0 / 32.0;
 
 /// Pieces that become one at most: each is compared with all before it.
-const MOST: usize = 64;
+const MAX_JOINED: usize = 64;
 
 /// The pieces in their order, but for those that go straight on in a triangle: these become one.
 pub(super) fn straightened(pieces: &[Piece], step: f64) -> Vec<Piece> {
@@ -17,7 +17,7 @@ pub(super) fn straightened(pieces: &[Piece], step: f64) -> Vec<Piece> {
     let mut rest = pieces;
     while let Some(first) = rest.first() {
         let mut count = 1;
-        while count < MOST
+        while count < MAX_JOINED
             && rest.get(count).is_some_and(|next| continues(&rest[count - 1], next))
             && is_straight(&rest[..count + 1], OFF * step)
         {
@@ -100,7 +100,7 @@ mod tests {
     fn what_goes_straight_on_is_one_piece() {
         let straight: Vec<_> = (0..9).map(|k| ([f64::from(k) * 0.1, 0.0], 0.5)).collect();
         assert_eq!(count(&straight), 1);
-        let long: Vec<_> = (0..=2 * MOST).map(|k| ([k as f64 * 0.1, 0.0], 0.5)).collect();
+        let long: Vec<_> = (0..=2 * MAX_JOINED).map(|k| ([k as f64 * 0.1, 0.0], 0.5)).collect();
         assert_eq!(count(&long), 2);
         // A bend that the raster does not see, and one that it does.
         let bent = |height: f64| -> Vec<_> {

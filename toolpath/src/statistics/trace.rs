@@ -3,7 +3,7 @@
 //! Points go to the nearest point of the surface, where they are snapped to a lattice of 2^30 steps an edge, so that
 //! all later questions of touching and crossing are about integers. From point to point runs the section of the surface
 //! with the plane through both that stands on it. It is followed from triangle to triangle by the signs of vertices, so
-//! rounding cannot lead it astray. Where it does not arrive (the chord leaves the surface over a notch of the boundary,
+//! rounding cannot mislead it. Where it does not arrive (the chord leaves the surface over a notch of the boundary,
 //! or cuts below a crest) the chord is halved until its parts lie on the surface or are short: these are *off* it.
 
 use super::locate::{Locator, Near};
@@ -15,16 +15,16 @@ pub(super) const STEPS: i64 = 1 << 30;
 
 /// Chords are halved down to this share of the step of the raster when both of their ends lie on the surface. Less
 /// would gain no figure a digit; more would count whole steps as off the surface at crests.
-const LEAST_CHORD: f64 = 1.0 / 256.0;
+const MIN_CHORD: f64 = 1.0 / 256.0;
 
 /// A point found this near, as a share of the width, to the triangle of the point before or one beside it is taken to
-/// lie there without asking all triangles. So sheets that touch are told apart.
+/// lie there without asking all triangles. So sheets that touch stay apart.
 const NEAR: f64 = 1e-7;
 
 /// Triangles that are no farther than this share of the width apart from a point are equally near.
 const EQUAL: f64 = 1e-9;
 
-/// A way through a vertex that is longer than the chord by at most this share is none but for rounding: the vertex is
+/// A way through a vertex that is longer than the chord by at most this share is an effect of rounding: the vertex is
 /// then nearer to the chord than the 30,000th part of its length.
 const DETOUR: f64 = 1e-9;
 
@@ -147,7 +147,7 @@ impl Tracer<'_> {
             if self.connect(from, to, hops) {
                 return;
             }
-            least *= LEAST_CHORD;
+            least *= MIN_CHORD;
         }
         let middle = (a.point + b.point) / 2.0;
         let halved = length > least && middle != a.point && middle != b.point;

@@ -3,9 +3,8 @@
 //! The slow twin prints the samples once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on all their sheets against the nozzle.
 
-use crate::common::{creases, layers};
+use crate::common::{creases, go_on, layers, rng};
 
-use crate::common::{go_on, rng};
 use creases::{H, PIECE, last_touched, rows, sheets_by_triangle, slow_depth};
 use curvlay_toolpath::gouging::{
     Contact, ContactError, Contacts, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, Obstacle, ResolvedPaths,

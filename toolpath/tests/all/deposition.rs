@@ -1,8 +1,7 @@
 //! Plans of timed moves: closed forms, sums, limits, and what is refused.
 
-use crate::common::layers;
+use crate::common::{go_on, layers, to_boundary};
 
-use crate::common::{go_on, to_boundary};
 use curvlay_toolpath::deposit::{Deposition, DepositionError, DepositionOptions, FeedLimits, MoveKind, deposit};
 use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack};
 use curvlay_toolpath::level_set::LevelField;

@@ -304,7 +304,7 @@ fn what_cannot_be_written() {
         ),
         (
             WriteOptions { header: "G28\nM104 S{temp}", ..BARE() },
-            "the header, line 2: `{temp}` is none of nozzle, bed, fan",
+            "the header, line 2: `{temp}` is not one of nozzle, bed, fan",
         ),
         (WriteOptions { footer: "a }", ..BARE() }, "the footer, line 1: a single `}`; write `}}` for the character"),
         (WriteOptions { footer: "{moves", ..BARE() }, "the footer, line 1: a single `{`; write `{{` for the character"),

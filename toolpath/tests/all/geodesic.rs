@@ -1,10 +1,9 @@
 //! Geodesic distance against closed forms, and against a slow search over all straight lines.
 
-use crate::common::slow;
-
 use crate::common::{
-    boundary_edges, compact, go_on, grid, random_barycentric, refined, rng, rough, to_boundary, to_edges,
+    boundary_edges, compact, go_on, grid, random_barycentric, refined, rng, rough, slow, to_boundary, to_edges,
 };
+
 use curvlay_toolpath::geodesic::{DistanceError, Sources, SurfaceDistance};
 use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Translation3, Vector3};

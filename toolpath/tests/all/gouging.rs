@@ -3,9 +3,8 @@
 //! The slow twin knows nothing of trees, bounds and caps: it looks at a dense raster of points on every sheet of every
 //! triangle.
 
-use crate::common::{creases, layers, nozzle};
+use crate::common::{creases, go_on, layers, nozzle};
 
-use crate::common::go_on;
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
 use curvlay_toolpath::gouging::{
     GougingError, GougingOptions, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, ResolvedPaths,

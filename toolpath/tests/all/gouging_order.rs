@@ -3,9 +3,8 @@
 //! The slow twin prints the layer once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on them against the nozzle, waypoint by waypoint.
 
-use crate::common::{creases, layers};
+use crate::common::{creases, go_on, layers};
 
-use crate::common::go_on;
 use creases::{H, PIECE, groove, groove_of, last_touched, nowhere, rows, slow_depth};
 use curvlay_toolpath::gouging::{GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};

@@ -18,7 +18,7 @@ fn go_on(_: curvlay_toolpath::Progress) -> ControlFlow<()> {
 }
 
 fn mould(layer: &Layer) -> Mould<'_> {
-    Mould { vertices: &layer.vertices, triangles: &layer.triangles, skin: layer.spacing }
+    Mould { vertices: &layer.vertices, triangles: &layer.triangles, thickness: layer.spacing }
 }
 
 /// A layer half a height over the plate with some lines, 40 by 40 mm.
@@ -137,10 +137,10 @@ fn bad_moulds_are_refused() {
         (&line, one, H, MouldError::NoArea),
         (&far, one, H, MouldError::BadVertex { vertex: 2 }),
         (&vertices, &[[0, 1, 2], [0, 1, 3]][..], H, MouldError::NoSuchVertex { triangle: 1, vertex: 3, vertices: 3 }),
-        (&vertices, one, 0.0, MouldError::BadSkin { skin: 0.0 }),
+        (&vertices, one, 0.0, MouldError::BadThickness { thickness: 0.0 }),
     ];
-    for (vertices, triangles, skin, error) in faults {
-        let mould = Mould { vertices, triangles, skin };
+    for (vertices, triangles, thickness, error) in faults {
+        let mould = Mould { vertices, triangles, thickness };
         let layers: [BuiltLayer; 0] = [];
         assert_eq!(LayerStack::new(&layers).unwrap().on_mould(&mould).err(), Some(StackError::Mould(error)));
         let checked = check_support_on_mould(&[], &mould, H, &SupportOptions::default(), &go_on);

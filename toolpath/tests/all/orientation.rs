@@ -1,8 +1,7 @@
 //! Waypoints and directions along curves: closed forms, a slow twin, isometries, and what is refused.
 
-use crate::common::{self, layers};
+use crate::common::{self, go_on, layers, rng, rough};
 
-use crate::common::{go_on, rng, rough};
 use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack, StackError};
 use curvlay_toolpath::nalgebra::{DMatrix, DVector, Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_toolpath::orientation::{OrientError, OrientOptions, Oriented, Waypoint};

@@ -2,9 +2,8 @@
 //!
 //! The slow twin looks at a raster of points through the thickness of every triangle, and at many places along each leg.
 
-use crate::common::{layers, nozzle};
+use crate::common::{go_on, layers, nozzle, rng, rough};
 
-use crate::common::{go_on, rng, rough};
 use curvlay_toolpath::deposit::{DepositionError, DepositionOptions, MoveKind, deposit_along};
 use curvlay_toolpath::gouging::{GougingError, Nozzle, Obstacle};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};

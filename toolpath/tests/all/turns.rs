@@ -2,9 +2,8 @@
 //!
 //! The slow twin compares the directions of all pairs of waypoints of a piece that are no farther apart than a millimetre.
 
-use crate::common::{creases, layers};
+use crate::common::{creases, go_on, layers};
 
-use crate::common::go_on;
 use creases::{H, PIECE, groove_of, nowhere, rows, sheets};
 use curvlay_toolpath::deposit::deposit_along;
 use curvlay_toolpath::gouging::{GougingOptions, Nozzle, ResolvedPaths};

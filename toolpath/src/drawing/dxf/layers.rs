@@ -28,7 +28,7 @@ pub(super) struct HiddenLayers(BTreeMap<String, Hidden>);
 impl HiddenLayers {
     /// Takes a LAYER of the table: bit 1 of its flags freezes it, a negative colour turns it off.
     pub fn read(&mut self, layer: &Record) {
-        // Numbers that are none say nothing about the layer.
+        // Invalid numbers say nothing about the layer.
         let frozen = layer.whole_or(70, 0).is_ok_and(|flags| flags & 1 == 1);
         let off = layer.whole_or(62, 7).is_ok_and(|colour| colour < 0);
         let hidden = if frozen { Some(Hidden::Frozen) } else { off.then_some(Hidden::Off) };

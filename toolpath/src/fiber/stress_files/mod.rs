@@ -82,7 +82,7 @@ pub enum StressFileError {
 }
 
 /// Numbers beyond this are refused.
-const LARGEST: f64 = 1e100;
+const MAX_NUMBER: f64 = 1e100;
 
 /// A line longer than this is no line of such a file.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -134,7 +134,7 @@ fn shortened(text: &str) -> String {
 /// A finite number.
 fn number(line: u64, text: &str) -> Result<f64, StressFileError> {
     let value: Option<f64> = text.trim().parse().ok();
-    value.filter(|value| value.abs() <= LARGEST).ok_or(StressFileError::Number { line, found: shortened(text) })
+    value.filter(|value| value.abs() <= MAX_NUMBER).ok_or(StressFileError::Number { line, found: shortened(text) })
 }
 
 /// A sample of a place and six components: xx, yy, zz, xy, yz, zx.

@@ -62,7 +62,7 @@ pub(super) struct Tilted<'a>(Walker<'a>);
 
 /// A path after collision removal.
 #[derive(Clone, Debug, Default)]
-pub(super) struct FreedPath {
+pub(super) struct ResolvedPath {
     pub waypoints: Vec<Waypoint>,
     pub gouging_before: usize,
     /// Waypoints put between that stay, and waypoints given that were taken out.
@@ -154,7 +154,7 @@ impl<'a> Tilted<'a> {
     }
 
     /// Sets the path free; `layer` is the number of the first waypoint of its layer.
-    pub fn freed(self, layer: u32) -> FreedPath {
+    pub fn freed(self, layer: u32) -> ResolvedPath {
         let Tilted(mut walker) = self;
         let given = walker.steps.len();
         let gouging_before = walker.steps.iter().filter(|step| step.gouged).count();
@@ -186,7 +186,7 @@ impl<'a> Tilted<'a> {
         walker.cut();
         let (kept, all) = (walker.steps.iter().filter(|step| step.given.is_some()).count(), walker.steps.len());
         let (added, taken_out) = (all - kept, given - kept);
-        FreedPath { gouging_before, added, taken_out, ..walker.finish(layer) }
+        ResolvedPath { gouging_before, added, taken_out, ..walker.finish(layer) }
     }
 }
 
@@ -519,7 +519,7 @@ impl Walker<'_> {
     }
 
     /// What came of it; `layer` is the number of the first waypoint of the layer.
-    fn finish(mut self, layer: u32) -> FreedPath {
+    fn finish(mut self, layer: u32) -> ResolvedPath {
         let stuck = |k: &usize| self.steps[*k].stuck;
         // What was put between and is not free has been taken out, but for what makes a path of a waypoint given.
         let beside = |k: usize| [Some(k), k.checked_sub(1), Some(k + 1)].into_iter().flatten();
@@ -530,7 +530,7 @@ impl Walker<'_> {
         let cuts = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.cut?))).collect();
         let sharp = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.sharp?))).collect();
         let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
-        FreedPath { waypoints, tilts, left, cuts, sharp, ..FreedPath::default() }
+        ResolvedPath { waypoints, tilts, left, cuts, sharp, ..ResolvedPath::default() }
     }
 
     /// How a waypoint that no tilt frees gouges.

@@ -15,7 +15,7 @@ const WINDOW_MM: f64 = 1.0;
 /// A cut leaves out no more than is not free, to one of so many parts of the step.
 const ENDS: u8 = 8;
 
-/// Length of the path of a waypoint between two cuts: far below what any machine can tell, so the nozzle is as free.
+/// Length of the path of a waypoint between two cuts: far below what any machine resolves, so the nozzle is as free.
 const DOT_MM: f64 = 1e-3;
 
 impl Walker<'_> {

@@ -1,6 +1,6 @@
 //! The two maps of a patch into the plane, as complex numbers.
 //!
-//! *Least squares conformal*: triangles keep their angles as far as they can. `sum |W0 u0 + W1 u1 + W2 u2|^2 / 2A` over the triangles,
+//! *Least squares conformal*: triangles keep their angles as well as possible. `sum |W0 u0 + W1 u1 + W2 u2|^2 / 2A` over the triangles,
 //! `W` the sides opposite to the corners in the plane of the triangle (Levy et al. 2002, section 2). Two vertices are held.
 //!
 //! *As rigid as possible*: each triangle is turned as well as it can be (local), then all vertices follow from a Laplace system (global),
@@ -166,5 +166,5 @@ pub fn rigid(
     Some((u, rounds, if fell.is_finite() { fell.max(0.0) } else { 0.0 }))
 }
 
-/// A mean square strain of this is none.
+/// A mean square strain below this counts as zero.
 const NOTHING: f64 = 1e-14;

@@ -12,7 +12,7 @@ use nalgebra::{Complex, Matrix2, Point2, Point3, Vector3};
 pub enum UnrollKind {
     /// Angles: the design looks right everywhere, and changes its size.
     Conformal,
-    /// Lengths, as far as it can: isometric on cones and cylinders.
+    /// Lengths, as well as possible: isometric on cones and cylinders.
     #[default]
     Rigid,
 }
@@ -22,7 +22,7 @@ pub enum UnrollKind {
 pub struct UnrollOptions {
     /// What the map keeps. Default: lengths.
     pub kind: UnrollKind,
-    /// The patch ends this far from the axis, in millimetres. Default: as far as the mesh looks up.
+    /// The patch ends this far from the axis, in millimetres. Default: to the end of what looks up.
     pub reach: f64,
     /// Most rounds for [`UnrollKind::Rigid`]. Default 500.
     pub max_rounds: u32,

@@ -1,10 +1,10 @@
-//! How near beads are to the skin: closed forms, and a slow twin that looks at every bead from every point.
+//! How near beads are to the shell: closed forms, and a slow twin that looks at every bead from every point.
 
 use crate::common::{go_on, rng};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::path::BeadKind;
-use curvlay_toolpath::shell::{SkinError, SkinGap, SkinOptions, skin_gap};
+use curvlay_toolpath::shell::{ShellError, ShellGap, ShellOptions, shell_gap};
 use proptest::prelude::*;
 use rand::RngExt;
 use std::ops::ControlFlow;
@@ -33,15 +33,15 @@ fn side(low: [f64; 2], high: [f64; 2]) -> ([Point3<f64>; 4], [[u32; 3]; 2]) {
     ([corner(10.0, low), corner(0.0, low), corner(0.0, high), corner(10.0, high)], [[0, 1, 2], [0, 2, 3]])
 }
 
-fn gap_of(paths: &[ToolPath], (vertices, triangles): &([Point3<f64>; 4], [[u32; 3]; 2])) -> SkinGap {
-    skin_gap(paths, vertices, triangles, &SkinOptions::default(), &go_on).unwrap()
+fn gap_of(paths: &[ToolPath], (vertices, triangles): &([Point3<f64>; 4], [[u32; 3]; 2])) -> ShellGap {
+    shell_gap(paths, vertices, triangles, &ShellOptions::default(), &go_on).unwrap()
 }
 
 #[test]
 fn on_an_upright_wall_the_gap_is_that_between_round_rims() {
     let paths = wall(20, BeadKind::Wall, |_| 0.0);
-    let skin = side([0.5 * WIDTH, 0.0], [0.5 * WIDTH, 20.0 * H]);
-    let gap = gap_of(&paths, &skin);
+    let shell = side([0.5 * WIDTH, 0.0], [0.5 * WIDTH, 20.0 * H]);
+    let gap = gap_of(&paths, &shell);
     // At the height `z` from the middle of a bead the point is `sqrt(r^2 + z^2) - r` away, for `z` up to `r`.
     let r = 0.5 * H;
     let at = |share: f64| r * (1.0 + share * share).sqrt() - r;
@@ -53,7 +53,7 @@ fn on_an_upright_wall_the_gap_is_that_between_round_rims() {
 
 #[test]
 fn beads_outside_of_the_part_count_by_how_far_they_go() {
-    // The skin is a rim's radius inside of the edges of the beads: `sqrt(r^2 - z^2)` of each bead is outside.
+    // The shell is a rim's radius inside of the edges of the beads: `sqrt(r^2 - z^2)` of each bead is outside.
     let r = 0.5 * H;
     let at = 0.5 * WIDTH - r;
     let gap = gap_of(&wall(20, BeadKind::Wall, |_| 0.0), &side([at, 0.0], [at, 20.0 * H]));
@@ -82,38 +82,38 @@ fn what_leans_has_steps_and_what_has_no_bead_is_bare() {
 #[test]
 fn nothing_to_look_at_is_no_gap() {
     let paths = wall(1, BeadKind::Wall, |_| 0.0);
-    let options = SkinOptions::default();
-    assert_eq!(skin_gap(&paths, &[], &[], &options, &go_on), Ok(SkinGap::default()));
-    let flat = skin_gap(&paths, &[Point3::origin(); 3], &[[0, 1, 2]], &options, &go_on);
-    assert_eq!(flat, Ok(SkinGap::default()));
+    let options = ShellOptions::default();
+    assert_eq!(shell_gap(&paths, &[], &[], &options, &go_on), Ok(ShellGap::default()));
+    let flat = shell_gap(&paths, &[Point3::origin(); 3], &[[0, 1, 2]], &options, &go_on);
+    assert_eq!(flat, Ok(ShellGap::default()));
     let (vertices, triangles) = side([0.0, 0.0], [0.0, 1.0]);
-    assert!(skin_gap(&[], &vertices, &triangles, &options, &go_on).unwrap().bare_share > 0.9999);
+    assert!(shell_gap(&[], &vertices, &triangles, &options, &go_on).unwrap().bare_share > 0.9999);
 }
 
 #[test]
 fn what_cannot_be_looked_at_is_named() {
     let (vertices, triangles) = side([0.0, 0.0], [0.0, 1.0]);
     let paths = wall(1, BeadKind::Wall, |_| 0.0);
-    let error = |options: &SkinOptions| skin_gap(&paths, &vertices, &triangles, options, &go_on).unwrap_err();
-    let default = SkinOptions::default();
+    let error = |options: &ShellOptions| shell_gap(&paths, &vertices, &triangles, options, &go_on).unwrap_err();
+    let default = ShellOptions::default();
     for (name, options) in [
-        ("points", SkinOptions { points: 0, ..default }),
-        ("points", SkinOptions { points: usize::MAX, ..default }),
-        ("bare_mm", SkinOptions { bare_mm: 0.0, ..default }),
-        ("bare_mm", SkinOptions { bare_mm: f64::NAN, ..default }),
+        ("points", ShellOptions { points: 0, ..default }),
+        ("points", ShellOptions { points: usize::MAX, ..default }),
+        ("bare_mm", ShellOptions { bare_mm: 0.0, ..default }),
+        ("bare_mm", ShellOptions { bare_mm: f64::NAN, ..default }),
     ] {
-        assert!(matches!(error(&options), SkinError::Option { option, .. } if option == name));
+        assert!(matches!(error(&options), ShellError::Option { option, .. } if option == name));
     }
-    let missing = skin_gap(&paths, &vertices, &[[0, 1, 2], [0, 1, 9]], &default, &go_on);
-    assert_eq!(missing, Err(SkinError::BadTriangle { triangle: 1 }));
+    let missing = shell_gap(&paths, &vertices, &[[0, 1, 2], [0, 1, 9]], &default, &go_on);
+    assert_eq!(missing, Err(ShellError::BadTriangle { triangle: 1 }));
     let nan = [vertices[0], vertices[1], Point3::new(f64::NAN, 0.0, 0.0)];
-    assert_eq!(skin_gap(&paths, &nan, &[[0, 1, 2]], &default, &go_on), Err(SkinError::BadTriangle { triangle: 0 }));
+    assert_eq!(shell_gap(&paths, &nan, &[[0, 1, 2]], &default, &go_on), Err(ShellError::BadTriangle { triangle: 0 }));
     let mut bad = paths.clone();
     bad[0].waypoints[1].width = f64::INFINITY;
-    let error = skin_gap(&bad, &vertices, &triangles, &default, &go_on);
-    assert_eq!(error, Err(SkinError::BadWaypoint { path: 0, waypoint: 1 }));
-    let stopped = skin_gap(&paths, &vertices, &triangles, &default, &|_| ControlFlow::Break(()));
-    assert_eq!(stopped, Err(SkinError::Cancelled));
+    let error = shell_gap(&bad, &vertices, &triangles, &default, &go_on);
+    assert_eq!(error, Err(ShellError::BadWaypoint { path: 0, waypoint: 1 }));
+    let stopped = shell_gap(&paths, &vertices, &triangles, &default, &|_| ControlFlow::Break(()));
+    assert_eq!(stopped, Err(ShellError::Cancelled));
 }
 
 /// Beads and a triangle somewhere, by a seed.
@@ -136,8 +136,8 @@ proptest! {
     #[test]
     fn the_gap_is_that_to_the_nearest_of_all_beads(seed in 0_u64..10_000) {
         let (paths, triangle) = anywhere(seed);
-        let options = SkinOptions { points: 1, bare_mm: 0.7 };
-        let gap = skin_gap(&paths, &triangle, &[[0, 1, 2]], &options, &go_on).unwrap();
+        let options = ShellOptions { points: 1, bare_mm: 0.7 };
+        let gap = shell_gap(&paths, &triangle, &[[0, 1, 2]], &options, &go_on).unwrap();
         let middles = {
             // The triangle may have more points than one, if it is long: all of them are looked at as the crate says.
             let area = 0.5 * (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0])).norm();
@@ -169,9 +169,9 @@ proptest! {
             let waypoints = path.waypoints.iter().map(|at| Waypoint { tip: motion * at.tip, direction: motion * at.direction, ..*at });
             ToolPath { waypoints: waypoints.collect(), ..path.clone() }
         }).collect();
-        let options = SkinOptions { points: 500, ..SkinOptions::default() };
+        let options = ShellOptions { points: 500, ..ShellOptions::default() };
         let [here, there] = [(&paths, triangle), (&moved, triangle.map(|p| motion * p))]
-            .map(|(paths, triangle)| skin_gap(paths, &triangle, &[[0, 1, 2]], &options, &go_on).unwrap());
+            .map(|(paths, triangle)| shell_gap(paths, &triangle, &[[0, 1, 2]], &options, &go_on).unwrap());
         prop_assume!(here.points == there.points);
         prop_assert!((here.mean_mm - there.mean_mm).abs() < 1e-6 && (here.p95_mm - there.p95_mm).abs() < 1e-3);
     }
@@ -180,11 +180,11 @@ proptest! {
 #[test]
 fn threads_change_nothing() {
     let paths = wall(20, BeadKind::Wall, |_| 0.0);
-    let skin = side([0.2, 0.0], [0.5, 4.0]);
-    let many: Vec<[u32; 3]> = skin.1.iter().copied().cycle().take(3000).collect();
+    let shell = side([0.2, 0.0], [0.5, 4.0]);
+    let many: Vec<[u32; 3]> = shell.1.iter().copied().cycle().take(3000).collect();
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| skin_gap(&paths, &skin.0, &many, &SkinOptions::default(), &go_on).unwrap())
+        pool.install(|| shell_gap(&paths, &shell.0, &many, &ShellOptions::default(), &go_on).unwrap())
     };
     assert_eq!(on(1), on(4));
 }
