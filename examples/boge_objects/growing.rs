@@ -240,7 +240,8 @@ struct Thesis {
 
 impl Thesis {
     fn of(drawn: &TextGrid, hardware: Hardware) -> Result<Self, Failure> {
-        let rules = Rules { eps: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
+        let rules =
+            Rules { inside_depth_cells: 0.0, neighbours: Neighbours::FaceOrEdge, flat: drawn.flat, ..Rules::default() };
         let visit = if drawn.flat { Visit::HighestFirst } else { Visit::LowestFirst };
         Ok(Thesis { platform: hardware.platform_of_thesis(drawn)?, rules, visit })
     }

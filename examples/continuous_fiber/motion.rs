@@ -14,7 +14,7 @@ use curvlay_examples::motion::{OnCell, PrintingCell, bounds_of, from_home, progr
 use curvlay_examples::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::centred_on_plate;
 use curvlay_kinematics::print_program::{
-    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_stream, print_targets,
+    PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_stream, print_targets,
 };
 use curvlay_kinematics::program::{
     Goal, HeadInput, HeadSignal, Move, Speed, Step, TimedSignal, UrScriptOptions, Zone, write_urscript,
@@ -24,7 +24,7 @@ use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
 use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::gcode::Tool;
 use curvlay_trajectory::print::{
-    Clearance, Fault, LegKind, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintWorkcell, Run,
+    Clearance, Fault, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintRobot, PrintWorkcell, Run, SegmentKind,
     Steered, Waypoint, plan_print,
 };
 use curvlay_voxel::{Resolution, VoxelOptions, Voxelisation, voxelise};
@@ -326,8 +326,8 @@ fn unfinished(plan: &PrintPlan<6, 1>, placed: &[Placed]) -> BTreeSet<usize> {
         let last = passed.next_back();
         first == Some(0) && last == Some(placed[run.path].waypoints.len() - 1)
     };
-    let legs = plan.legs(0..plan.runs.len()).enumerate();
-    let of_part = legs.filter(|(_, leg)| leg.kind == LegKind::Print && !is_whole(leg.run));
+    let legs = plan.segments(0..plan.runs.len()).enumerate();
+    let of_part = legs.filter(|(_, leg)| leg.kind == SegmentKind::Print && !is_whole(leg.run));
     of_part.map(|(number, _)| number).collect()
 }
 
@@ -335,14 +335,14 @@ impl TapeMotion {
     /// The steps of some runs on one layer: tool, heat, and the tapes with the signals of the head, as late as the arm is behind its stream.
     pub fn stream<'a>(&'a self, runs: Range<usize>, head: &'a TapeHead) -> impl Iterator<Item = Step> + 'a {
         let steps = stream(self, runs.clone(), head, StreamOptions::of_workcell(self.cell.equipment()));
-        let first = self.plan.legs(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
+        let first = self.plan.segments(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
         let tool = self.tool_of(&runs);
         first.into_iter().chain(Self::on(tool, head)).chain(steps).chain(Self::off(tool, head))
     }
 
     /// The same as targets on the part.
     pub fn targets<'a>(&'a self, runs: Range<usize>, head: &'a TapeHead) -> impl Iterator<Item = Step> + 'a {
-        let first = self.plan.legs(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
+        let first = self.plan.segments(runs.clone()).next().map(|leg| by_joints(leg.at(0.0)));
         let tool = self.tool_of(&runs);
         let steps = targets(self, runs, head);
         first.into_iter().chain(Self::on(tool, head)).chain(steps).chain(Self::off(tool, head))
@@ -509,19 +509,19 @@ fn stream<'a>(
     let (plan, placed) = (&motion.plan, &motion.placed);
     let at = |time_s: f64, signal: HeadSignal, on: bool| TimedSignal { time_s, signal, on };
     let feed_s = head.blade / FEED_MM_S;
-    let start = plan.legs(runs.clone()).next().map_or([0.0; 6], |leg| leg.at(0.0));
-    let stop = plan.legs(runs.clone()).last().map_or(start, |leg| leg.at(leg.duration()));
+    let start = plan.segments(runs.clone()).next().map_or([0.0; 6], |leg| leg.at(0.0));
+    let stop = plan.segments(runs.clone()).last().map_or(start, |leg| leg.at(leg.duration()));
     type Joints<'a> = Box<dyn Fn(f64) -> [f64; 6] + 'a>;
-    let feeding = move |joints: [f64; 6]| StreamLeg {
+    let feeding = move |joints: [f64; 6]| StreamSegment {
         duration_s: feed_s,
         joints: Box::new(move |_| joints) as Joints,
         filament_mm: None::<fn(f64) -> f64>,
         signals: vec![at(0.0, HeadSignal::Feed, true), at(feed_s, HeadSignal::Feed, false)],
     };
-    let legs = plan.legs(runs).flat_map(move |leg| {
-        let is_laid = leg.kind == LegKind::Print;
-        let before = (leg.kind == LegKind::Approach).then(|| feeding(leg.at(0.0)));
-        let motion = StreamLeg {
+    let legs = plan.segments(runs).flat_map(move |leg| {
+        let is_laid = leg.kind == SegmentKind::Print;
+        let before = (leg.kind == SegmentKind::Approach).then(|| feeding(leg.at(0.0)));
+        let motion = StreamSegment {
             duration_s: leg.duration(),
             joints: Box::new(move |time| leg.at(time)) as Joints,
             filament_mm: None,

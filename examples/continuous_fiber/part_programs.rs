@@ -11,7 +11,7 @@ use curvlay_kinematics::program::{RapidOptions, Step, write_urscript};
 use curvlay_kinematics::workcell::{SixAxisWorkcell, Workcell};
 use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
 use curvlay_toolpath::plan::PrintPlan;
-use curvlay_trajectory::print::{self, LegKind};
+use curvlay_trajectory::print::{self, SegmentKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -54,8 +54,8 @@ impl Written<'_> {
     /// Seconds of an item.
     fn seconds(&self, item: &Item) -> f64 {
         match item {
-            Item::Beads(runs) => self.beads.legs(runs.clone()).map(|leg| leg.duration()).sum(),
-            Item::Tapes(list, runs) => self.taped[*list].plan.legs(runs.clone()).map(|leg| leg.duration()).sum(),
+            Item::Beads(runs) => self.beads.segments(runs.clone()).map(|leg| leg.duration()).sum(),
+            Item::Tapes(list, runs) => self.taped[*list].plan.segments(runs.clone()).map(|leg| leg.duration()).sum(),
         }
     }
 
@@ -116,7 +116,7 @@ impl Written<'_> {
         print: &PrintPlan,
     ) -> (Vec<viewer::Step>, viewer::Robot) {
         let knots = |plan: &print::PrintPlan<6, 1>| -> usize {
-            plan.legs(0..plan.runs.len()).map(|leg| leg.knots().len()).sum()
+            plan.segments(0..plan.runs.len()).map(|leg| leg.knots().len()).sum()
         };
         let all = knots(self.beads) + self.taped.iter().map(|taped| knots(&taped.plan)).sum::<usize>();
         let mut played = Played::new(self.cell, *frame_part, all);
@@ -126,8 +126,8 @@ impl Written<'_> {
                 Item::Tapes(number, runs) => {
                     let list = &self.tapes[*number];
                     let size = list.tapes.first().map_or([0.0; 2], |tape| [tape.width, tape.thickness]);
-                    for leg in self.taped[*number].plan.legs(runs.clone()) {
-                        let kind = if leg.kind == LegKind::Print { TAPE_KIND } else { viewer::Step::TRAVEL };
+                    for leg in self.taped[*number].plan.segments(runs.clone()) {
+                        let kind = if leg.kind == SegmentKind::Print { TAPE_KIND } else { viewer::Step::TRAVEL };
                         let path = (print.resolved.paths.len() + leg.run.path) as u32;
                         played.add((list.layer, path), &leg.knots(), |_| Some((kind, size)));
                     }

@@ -175,7 +175,7 @@ impl Args {
     pub fn lay(&self, part: &mut Part, bars: &Bars) -> Result<Posed, Failure> {
         let start = Instant::now();
         let GrowArgs { eps_cells: eps, beyond_eps, .. } = self.grow;
-        let rules = Rules { eps, eps_is_inside: !beyond_eps, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: eps, boundary_is_inside: !beyond_eps, ..Rules::default() };
         let options = self.posing.options(rules, self.platform_diameter_mm());
         let search = search(&part.mesh, &self.posing, &options, bars)?;
         let best = search.best().pose;

@@ -253,7 +253,7 @@ pub fn run(
         cell_mm: grid.cell_mm(),
         origin: grid.origin(),
         platform: &platform,
-        rules: Rules { eps: options.eps, eps_is_inside: !options.beyond_eps, ..Rules::default() },
+        rules: Rules { inside_depth_cells: options.eps, boundary_is_inside: !options.beyond_eps, ..Rules::default() },
         volume_mm3: mesh.volume_mm3(),
         guides: Guides::default(),
     };

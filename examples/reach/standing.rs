@@ -10,7 +10,8 @@ use curvlay_kinematics::workcell::{
     PART, PLATE, PlateModel, ShapeModel, SolidModel, VERSION, Workcell, WorkcellModel, nozzle_pairs,
 };
 use curvlay_kinematics::{
-    Arm, Assessment, BestPosture, BestStand, ReachOptions, StandRegion, Waypoint, best_stand, reachable_points,
+    Arm, Assessment, BestFixturePlace, BestPosture, FixtureRegion, ReachOptions, Waypoint, best_fixture_place,
+    reachable_points,
 };
 use std::cmp::Reverse;
 use std::ops::ControlFlow;
@@ -180,8 +181,8 @@ pub fn search(model: &WorkcellModel, is_shipped: bool, args: &Args) -> Result<St
         let rated = Rated::new(cell, edge, 3, SEARCH_ANGLES)?;
         Some(move |index: usize, waypoint: &Waypoint| rated.assess(index, waypoint))
     };
-    let found = best_stand(&region, &few, COMFORTABLE_MM, at, &|_| ControlFlow::Continue(()))?;
-    let BestStand { place, places, assessments, at_end, .. } = found;
+    let found = best_fixture_place(&region, &few, COMFORTABLE_MM, at, &|_| ControlFlow::Continue(()))?;
+    let BestFixturePlace { place, places, assessments, at_end, .. } = found;
     let best = worth(model, place, args)?;
     let now = if is_shipped { Some(worth(model, now, args)?) } else { None };
     // The few waypoints and tool angles of the search may have missed that it is better where it stands.
@@ -213,7 +214,7 @@ fn standing_at(cell: &AnyWorkcell) -> Result<Point3<f64>, Failure> {
         AnyWorkcell::Six(_) => Point3::from(model.part.position_mm),
         AnyWorkcell::Eight(cell) => {
             let stance =
-                cell.stance(&[0.0; 8]).ok_or_else(|| Failure::new("the table has no zero within its limits"))?;
+                cell.frames(&[0.0; 8]).ok_or_else(|| Failure::new("the table has no zero within its limits"))?;
             Point3::from(stance.part.translation.vector)
         }
     })
@@ -232,7 +233,7 @@ fn moved(model: &WorkcellModel, shift: &Vector3<f64>) -> WorkcellModel {
 }
 
 /// The box of all that the arm reaches with what it holds. An arm on a floor turns all places about axis 1: one side is enough.
-fn region(cell: &AnyWorkcell, is_shipped: bool, args: &Args) -> Result<StandRegion, Failure> {
+fn region(cell: &AnyWorkcell, is_shipped: bool, args: &Args) -> Result<FixtureRegion, Failure> {
     let equipment = cell.equipment();
     let held = match equipment.model().held {
         Held::Part => equipment.part_frame().1,
@@ -252,7 +253,7 @@ fn region(cell: &AnyWorkcell, is_shipped: bool, args: &Args) -> Result<StandRegi
         (min.x, min.y, max.y) = (0.0, 0.0, 0.0);
         min.z = min.z.max(0.0);
     }
-    Ok(StandRegion { min, max, coarse_mm: args.coarse_mm, fine_mm: args.fine_mm })
+    Ok(FixtureRegion { min, max, coarse_mm: args.coarse_mm, fine_mm: args.fine_mm })
 }
 
 /// A workcell with the part as built at each layer of waypoints.

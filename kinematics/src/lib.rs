@@ -10,13 +10,16 @@
 //! * [`Setup`], [`TableSetup`]: who holds what; from a waypoint to configurations.
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
-//! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand.
-//! * [`best_stand`]: where nozzle, plate or table should stand, with collisions.
+//! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand, by what the arm reaches.
+//! * [`best_fixture_place`]: the best place of a nozzle, a plate or a table, with collisions.
 //! * [`best_place`], [`representative_waypoints`]: where a part should stand for a whole print.
 //! * [`calibrate_tip`], [`calibrate_tool`]: where a tip is, from poses that touch one point. [`fit_arm`]: what an arm is really like, from
 //!   measured poses; [`ArmDeviation`] and [`Arm::calibrated`]: such an arm. [`Measurements`]: the files.
 //! * [`program`]: robot programs written and read: RAPID, URScript, CSV; [`program::link`] streams them.
 //! * [`print_program`]: programs of planned prints, for a workcell.
+//!
+//! For reproducing published works; prints do not use it:
+//!
 //! * [`stewart`]: Stewart platforms, both ways.
 //!
 //! # Who stands on whom
@@ -28,7 +31,6 @@
 mod angle;
 mod arm;
 mod calibration;
-
 #[cfg(feature = "serde")]
 mod json;
 mod limits;
@@ -58,11 +60,11 @@ pub use calibration::{
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;
 pub use placement::{
-    Assessment, BestPlace, BestPosture, BestStand, PartPlace, PlaceError, Placement, PlacementError, PlateError,
-    PlateOptions, ReachOptions, Representatives, StandRegion, best_place, best_stand, centred_on_plate, fullest_box,
-    place_grid, place_on_plate, reachable_points, representative_waypoints,
+    Assessment, BestFixturePlace, BestPlace, BestPosture, FixtureRegion, PartPlace, PlaceError, Placement,
+    PlacementError, PlateError, PlateOptions, ReachOptions, Representatives, best_fixture_place, best_place,
+    centred_on_plate, fullest_box, place_grid, place_on_plate, reachable_points, representative_waypoints,
 };
 pub use pose::{InvalidPose, PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
-pub use progress::Progress;
+pub use progress::{Progress, ProgressFn};
 pub use setup::{Configuration, Setup, SetupError, SetupFrames, TableSetup, Waypoint, nozzle_frame};

@@ -105,8 +105,9 @@ pub enum InvalidPose {
 /// How far the length of a quaternion may be from 1: numbers that were cast to single precision are off by 1e-7.
 pub(crate) const UNIT: f64 = 1e-6;
 
-/// No length or coordinate of a machine may be larger, in millimetres: below it squares keep their digits.
-pub(crate) const LARGEST: f64 = 1e6;
+/// No length or coordinate of a machine may be larger, in millimetres: below it squares keep their digits, and rounding stays under the
+/// tolerances of collisions.
+pub const MAX_COORDINATE: f64 = 1e6;
 
 /// Rotation and translation of a pose. A quaternion whose length is 1 within [`UNIT`] stands for the rotation next to it.
 pub(crate) fn parts(pose: &Isometry3<f64>) -> Result<(Matrix3<f64>, Vector3<f64>), InvalidPose> {
@@ -148,7 +149,7 @@ fn fault(pose: &Isometry3<f64>) -> InvalidPose {
     }
 }
 
-/// Whether a frame of a machine is a pose, and not farther out than [`LARGEST`].
+/// Whether a frame of a machine is a pose, and not farther out than [`MAX_COORDINATE`].
 pub(crate) fn is_frame(pose: &Isometry3<f64>) -> bool {
-    parts(pose).is_ok() && pose.translation.vector.amax() <= LARGEST
+    parts(pose).is_ok() && pose.translation.vector.amax() <= MAX_COORDINATE
 }

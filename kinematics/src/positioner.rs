@@ -5,7 +5,7 @@
 //! solutions in closed form.
 
 use crate::limits::{JointLimits, LimitError};
-use crate::pose::{InvalidPose, LARGEST, parts};
+use crate::pose::{InvalidPose, MAX_COORDINATE, parts};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// The numbers of a positioner, at its zero posture and in its own base frame, in millimetres.
@@ -45,7 +45,7 @@ pub enum PositionerError {
         /// Its coordinates.
         value: [f64; 3],
     },
-    /// The pose at which the positioner stands is none.
+    /// The pose of the positioner in the base is invalid.
     #[error("`base_positioner`: {0}")]
     Pose(#[source] InvalidPose),
     /// The limits are invalid.
@@ -87,7 +87,7 @@ impl Positioner {
             ("base_positioner", base_positioner.translation.vector.into()),
         ];
         for (what, value) in named {
-            if !value.iter().all(|x| x.abs() <= LARGEST) {
+            if !value.iter().all(|x| x.abs() <= MAX_COORDINATE) {
                 return Err(PositionerError::NotFinite { what, value });
             }
         }

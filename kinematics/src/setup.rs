@@ -252,7 +252,7 @@ impl Setup {
         let (setup, waypoint) = (*self, *waypoint);
         (0..samples).flat_map(move |sample| {
             let tool_angle = TAU * (sample as f64 / samples as f64) - PI;
-            // A waypoint that is no place has no solutions.
+            // An invalid waypoint has no solutions.
             let found = setup.arm.inverse(&setup.flange(&waypoint, tool_angle)).unwrap_or_default();
             Branch::ALL.into_iter().filter_map(move |branch| {
                 let joints = limits.nearest_image(found.get(branch)?, &middle)?;

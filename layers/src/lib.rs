@@ -20,6 +20,7 @@ mod parallel;
 pub mod planar;
 mod progress;
 pub mod trim;
+mod union_find;
 
 pub use nalgebra;
 pub use progress::{Progress, ProgressFn};

@@ -1,3 +1,5 @@
+//! For reproducing the figures of jerk of C. Dai's dissertation (section 4.3.2); prints use the spline's own ([`Trajectory`](crate::Trajectory)).
+//!
 //! Derivatives at waypoints from stencils of five, as the dissertation measures jerk.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (TU Delft 2020), section 4.3.2: through five waypoints goes one quartic

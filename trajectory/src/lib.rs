@@ -2,12 +2,21 @@
 //!
 //! # Where to find what
 //!
-//! * [`timed_path`]: waypoints to segments with times. [`plan_ladder`], [`min_speed`]: a posture for each waypoint.
-//! * [`filter_locally`], [`smooth_globally`], [`smooth_clear_of`]: less jerk.
-//! * [`Timeline`], [`Trajectory`], [`Bounds`]: the spline that is executed, and its limits.
-//! * [`time_path`], [`time_path_free`]: the fastest timing.
-//! * [`qp`]: the quadratic programs in stages that the global filter solves.
-//! * [`indicator`], [`transfer`], [`verify`], [`mod@print`], [`check`]: collisions, transfers, whole prints.
+//! For prints, from waypoints to a motion that is checked:
+//!
+//! * [`plan_ladder`], [`min_speed`]: a posture for each waypoint.
+//! * [`smooth_globally`], [`smooth_clear_of`]: less jerk.
+//! * [`Timeline`], [`Trajectory`], [`Bounds`]: the spline that is executed, and its limits. [`time_path`]: its fastest timing.
+//! * [`transfer`]: motions without printing. [`mod@print`]: whole prints, by all of these. [`check`]: the judge of a print.
+//! * [`indicator`]: what a smooth motion keeps clear of.
+//!
+//! For reproducing published works; prints do not use them:
+//!
+//! * [`timed_path`], [`filter_locally`], [`filter_clear_of`], [`jerk_measure`]: waypoints with times, Algorithm 6 and its measure.
+//! * [`time_path_free`]: the fastest timing with free parameters.
+//! * [`indicator::svm`], [`indicator::geometric`]: indicators, learned and from shapes.
+//! * [`verify`]: every waypoint against an exact check, and repair.
+//! * [`qp`]: the quadratic programs in stages that the global filter solves, for comparison with other solvers.
 
 mod angle;
 mod banded;
@@ -51,7 +60,7 @@ pub use nalgebra;
 pub use path::{
     Defect, IncompletePath, MIN_WAYPOINTS, PathError, PathOptions, PathSegment, TimedPath, Timing, timed_path,
 };
-pub use progress::Progress;
+pub use progress::{Progress, ProgressFn};
 pub use robot::{FreeRange, Posture, Robot};
 pub use spline::{
     Extremes, Peak, Quantity, RunIn, SplineRow, State, Timeline, TimelineError, Trajectory, TrajectoryError, Violation,

@@ -1,5 +1,10 @@
 //! How far long work has come.
 
+use std::ops::ControlFlow;
+
+/// What a caller is called with along the way; it may stop the work.
+pub type ProgressFn<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);
+
 /// How far a long computation has come; handed to the caller's callback, which may stop the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {

@@ -12,9 +12,8 @@
 
 use crate::lattice::{Lattice, TooFineOr};
 use crate::surface::Bits;
-use crate::{GridError, Progress, TooFine, VoxelGrid};
+use crate::{GridError, Progress, ProgressFn, TooFine, VoxelGrid};
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// Options of [`VoxelGrid::from_implicit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +91,7 @@ impl VoxelGrid {
     /// * `progress`: called now and then with the layers done; `Break` stops the work.
     ///
     /// # Errors
-    /// [`ImplicitError`] for a box, a number of samples or a bound that is none, a value that is not a number, a grid
+    /// [`ImplicitError`] for an invalid box, number of samples or bound, a value that is NaN, a grid
     /// beyond its limits (before it is allocated), and if it was stopped. No cell at all is no error.
     ///
     /// # Cost
@@ -115,7 +114,7 @@ impl VoxelGrid {
         bounds: [Point3<f64>; 2],
         options: &ImplicitOptions,
         f: impl Fn(&Point3<f64>) -> f64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<Self, ImplicitError> {
         let &ImplicitOptions { cell_mm, samples, lipschitz, max_bytes } = options;
         let [low, high] = bounds;

@@ -42,7 +42,7 @@ pub use neighbours::Connectivity;
 pub use orient::{Doubt, OneSided, OrientError, OrientReport, Oriented, orient};
 pub use polygon::{PolygonError, triangulate_polygon};
 pub use polygonise::{ImplicitMesh, PolygoniseError, polygonise};
-pub use progress::Progress;
+pub use progress::{Progress, ProgressFn};
 pub use solid::{VoxelReport, Voxelisation};
 pub use text::{TextGrid, TextGridError, WriteTextGridError, read_text_grid, write_text_grid};
 pub use voxelise::{Resolution, VoxelOptions, voxelise};

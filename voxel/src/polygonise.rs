@@ -68,7 +68,7 @@ pub enum PolygoniseError {
 /// A watertight manifold, faces outwards. Empty without an inside. Where `value` is linear the vertices are exact up to rounding.
 ///
 /// # Errors
-/// [`PolygoniseError`] for a box or a cell that is none, and for a lattice of more than 2^26 points, before it is allocated.
+/// [`PolygoniseError`] for an invalid box or cell, and for a lattice of more than 2^26 points, before it is allocated.
 ///
 /// # Cost
 /// One evaluation a lattice point, and ten a vertex. Deterministic, on one thread.

@@ -151,7 +151,7 @@ impl Search<'_, '_> {
         let go_on = self.solid.go_on("voxelise");
         let (done, all) = (self.trials as u64, (SIZES + 2 * PLACES.len()) as u64);
         go_on(done, all).ok_or(VoxelError::Cancelled)?;
-        // Trials tell of nothing but their number, and listen.
+        // Trials report their number only, and can be cancelled.
         let trial = match self.solid.trial(size, place, &|_, _| go_on(done, all)) {
             Err(refused @ (VoxelError::Grid(_) | VoxelError::TooFine(_))) => {
                 self.refused = Some(refused);

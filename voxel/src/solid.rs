@@ -7,9 +7,8 @@ use crate::lattice::{Lattice, TooFineOr};
 use crate::orient::{OrientReport, Oriented, orient_welded};
 use crate::surface::{Bits, Painter, Walls};
 use crate::winding::Winding;
-use crate::{GridError, Progress, VoxelError, VoxelGrid};
+use crate::{GridError, Progress, ProgressFn, VoxelError, VoxelGrid};
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// The cells of a solid.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +128,7 @@ pub(crate) struct Solid<'a> {
     surface: Surface,
     high: Point3<f64>,
     max_bytes: u64,
-    progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'a>,
     points: Vec<[i64; 3]>,
     /// Volume (positive if the triangles are turned outwards) and area, with the longest side of the box as unit.
     pub(crate) volume: f64,
@@ -155,7 +154,7 @@ impl<'a> Solid<'a> {
         vertices: &'a [Point3<f64>],
         triangles: &[[u32; 3]],
         max_bytes: u64,
-        progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'a>,
     ) -> Result<Self, VoxelError> {
         if triangles.is_empty() {
             return Err(VoxelError::NoTriangle);
@@ -253,7 +252,7 @@ impl<'a> Solid<'a> {
         }
     }
 
-    /// Tells of work under the name of a stage.
+    /// Reports progress under the name of a stage.
     pub(crate) fn go_on(&self, stage: &'static str) -> impl Fn(u64, u64) -> Option<()> + use<'a> {
         let progress = self.progress;
         move |done, total| progress(Progress { stage, done, total }).is_continue().then_some(())

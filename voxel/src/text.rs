@@ -260,7 +260,7 @@ impl Drawing {
         })
     }
 
-    /// Tells platform and object apart.
+    /// Separates platform and object.
     fn finish(self) -> Result<TextGrid, TextGridError> {
         let (flat, words, lines) = (self.ends.len() == 1, self.words(), self.numbers.len());
         let (on_platform, on_object, ny) = match self.ends[0] {

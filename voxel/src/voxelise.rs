@@ -16,9 +16,8 @@
 
 use crate::search;
 use crate::solid::{Solid, Voxelisation};
-use crate::{GridError, Progress, VoxelError};
+use crate::{GridError, ProgressFn, VoxelError};
 use nalgebra::Point3;
-use std::ops::ControlFlow;
 
 /// How large the cells are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +104,7 @@ pub fn voxelise(
     vertices: &[Point3<f64>],
     triangles: &[[u32; 3]],
     options: &VoxelOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Voxelisation, VoxelError> {
     match options.resolution {
         Resolution::Cell(cell_mm) if !(cell_mm > 0.0 && cell_mm.is_finite()) => {

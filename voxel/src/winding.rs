@@ -107,7 +107,7 @@ impl Node {
             moment += (a.coords + b.coords + c.coords) * (area.norm() / 3.0);
             weight += area.norm();
         }
-        // Triangles too small for their areas to be told from zero lie anywhere among their corners.
+        // Triangles whose areas round to zero lie anywhere among their corners.
         let centre = if weight > 0.0 { Point3::from(moment / weight) } else { triangles[0][0] };
         let reach_sq = triangles.iter().flatten().map(|at| (at - centre).norm_squared()).fold(0.0, f64::max);
         Node { centre, dipole, far_sq: BETA * BETA * reach_sq, next: 0, first: 0, count: 0 }

@@ -2,7 +2,7 @@
 
 use super::planned::MotionRun;
 use curvlay_trajectory::check::WrittenMotion;
-use curvlay_trajectory::print::LegKind;
+use curvlay_trajectory::print::SegmentKind;
 use std::io::{self, BufRead, Write};
 
 /// The file in the output folder.
@@ -14,9 +14,9 @@ pub fn write_csv<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, ou
     writeln!(out, "motion,time_s,{},kind,layer,path,waypoint,filament_mm", names.join(","))?;
     let (mut start, mut laid) = (0.0, 0.0);
     let plan = &run.plan;
-    for (number, leg) in plan.legs(0..plan.runs.len()).enumerate() {
+    for (number, leg) in plan.segments(0..plan.runs.len()).enumerate() {
         let (kind, layer, path) = (leg.kind.name(), leg.run.layer + 1, leg.run.path);
-        let passes = if leg.kind == LegKind::Print { &leg.run.passes[..] } else { &[] };
+        let passes = if leg.kind == SegmentKind::Print { &leg.run.passes[..] } else { &[] };
         let mut passes = passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
         for (knot, (time, joints)) in leg.knots().iter().enumerate() {
             write!(out, "{number},{}", start + time)?;
@@ -44,7 +44,7 @@ pub fn read_csv<const N: usize>(file: impl BufRead) -> io::Result<Vec<WrittenMot
         let [motion, time, joints @ .., kind, layer, path, waypoint, _] = &cells[..] else { return Err(bad()) };
         if last.as_deref() != Some(*motion) {
             last = Some((*motion).to_owned());
-            let kind = LegKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
+            let kind = SegmentKind::ALL.into_iter().find(|known| known.name() == *kind).ok_or_else(bad)?;
             let layer = layer.parse::<u32>().ok().and_then(|layer| layer.checked_sub(1)).ok_or_else(bad)?;
             let path = path.parse().map_err(|_| bad())?;
             let (times, joints, waypoints) = (Vec::new(), Vec::new(), Vec::new());

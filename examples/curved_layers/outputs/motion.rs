@@ -136,7 +136,7 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("slow_motions", run.slow_runs)?
         .set("waypoint_error_mm", run.max_missed_mm)?
         .set("path_error_mm", run.max_deviation_mm)?
-        .set("astray", run.count(FaultKind::Astray))?
+        .set("astray", run.count(FaultKind::PathDeviation))?
         .set("transfers", run.travels.len())?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
     found.iter().try_for_each(|found| checked(found, summary))
@@ -219,7 +219,7 @@ fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut 
         .row(["paths break off".to_owned(), format!("{} times", count(FaultKind::Break))])
         .row([
             "off the path".to_owned(),
-            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::Astray)),
+            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::PathDeviation)),
         ])
         .row(["transfers".to_owned(), format!("{}, {} not found", run.travels.len(), count(FaultKind::NoTransfer))]);
 }
@@ -255,7 +255,7 @@ fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     motion: &Run<N, F>,
 ) -> Option<Picture> {
     let joints = motion.trajectory.joints();
-    let stance = run.cell.stance(&joints[joints.len() / 2])?;
+    let stance = run.cell.frames(&joints[joints.len() / 2])?;
     let base_part = stance.part * run.frame_part;
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.4, -1.0, 0.35)));
     for ends in stance.arm.windows(2) {

@@ -116,7 +116,7 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
         write_urscript(steps, &options, out).map(|_| ())
     };
     let steps = |piece: Range<usize>| {
-        plan.legs(piece).map(|leg| leg.duration()).sum::<f64>()
+        plan.segments(piece).map(|leg| leg.duration()).sum::<f64>()
             / StreamOptions::of_workcell(cell.equipment()).rate.seconds()
     };
     of_pieces(plan, steps, ending, folder, write)

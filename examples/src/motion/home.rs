@@ -58,7 +58,7 @@ pub fn from_home<const N: usize, const F: usize, W: Workcell<N, F>>(
     if let Some(home) = home(plan, robot, &cell, (limits, options), progress)? {
         return Ok(plan.with_homes(robot, cell, &home, cuts, limits, options, progress)?);
     }
-    let mut without = plan.without(&(0..plan.legs(0..plan.runs.len()).count()).collect());
+    let mut without = plan.without(&(0..plan.segments(0..plan.runs.len()).count()).collect());
     let unprinted = |run: &Run<N, F>| Fault {
         layer: run.layer,
         path: run.path,

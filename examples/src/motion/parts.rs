@@ -154,7 +154,7 @@ impl Printed {
             findings.add(Severity::Warning, "travels are blocked", blocked.to_string(), "");
         }
         let Some(moved) = &self.moved else { return };
-        let kinds = [FaultKind::Unreachable, FaultKind::Blocked, FaultKind::Break, FaultKind::Astray];
+        let kinds = [FaultKind::Unreachable, FaultKind::Blocked, FaultKind::Break, FaultKind::PathDeviation];
         for kind in kinds.into_iter().chain([FaultKind::NoTransfer]) {
             let count = moved.count(kind);
             if count > 0 {

@@ -1,13 +1,13 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::print_program::{
-    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
+    PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::program::{
     FILAMENT_FULL_SCALE_MM_S, RapidOptions, Step, UrScriptOptions, WriteError, write_rapid,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
-use curvlay_trajectory::print::{LegKind, PrintPlan, Run, Travel};
+use curvlay_trajectory::print::{PrintPlan, Run, SegmentKind, Travel};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::ops::Range;
@@ -79,15 +79,15 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> impl Iterator<Item = Step> + 'a {
     let arm = move |joints: &[f64; N]| cell.scene_posture(joints).joints;
     let (mut first, mut last) = (None, None);
-    for leg in plan.legs(runs.clone()) {
+    for leg in plan.segments(runs.clone()) {
         first = first.or(Some(leg.at(0.0)));
         last = Some(leg.at(leg.duration()));
     }
     let ends = [first, last];
-    let legs = plan.legs(runs).map(move |leg| StreamLeg {
+    let legs = plan.segments(runs).map(move |leg| StreamSegment {
         duration_s: leg.duration(),
         joints: move |time: f64| arm(&leg.at(time)),
-        filament_mm: (leg.kind == LegKind::Print).then_some(move |time: f64| leg.filament_mm(time)),
+        filament_mm: (leg.kind == SegmentKind::Print).then_some(move |time: f64| leg.filament_mm(time)),
         signals: Vec::new(),
     });
     let options = StreamOptions::of_workcell(cell.equipment());

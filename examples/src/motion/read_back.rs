@@ -6,7 +6,7 @@
 use super::programs::takes_stream;
 use curvlay_kinematics::program::{Goal, Move, Step};
 use curvlay_kinematics::workcell::Workcell;
-use curvlay_trajectory::print::{Leg, PrintPlan};
+use curvlay_trajectory::print::{PrintPlan, Segment};
 use nalgebra::Point3;
 use std::ops::Range;
 
@@ -52,7 +52,7 @@ impl ReadBack {
         runs: Range<usize>,
         steps: impl IntoIterator<Item = Result<Step, E>>,
     ) -> Result<(), E> {
-        let legs: Vec<Leg<'_, N, F>> = plan.legs(runs.clone()).collect();
+        let legs: Vec<Segment<'_, N, F>> = plan.segments(runs.clone()).collect();
         let filament = plan.runs[runs.clone()].iter().filter_map(|run| run.filament_mm.last());
         self.planned_mm += filament.sum::<f64>();
         let mut checked = Checked { legs: &legs, begin: 0.0, time: 0.0 };
@@ -87,7 +87,7 @@ impl ReadBack {
                     ends = [ends[0].or(Some(joints)), Some(joints)];
                     place = tip(&of_cell(&joints));
                 }
-                Step::Move(Move { goal: Goal::Line(target) | Goal::Swing(target), speed, .. }) => {
+                Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
                     let to = Point3::from(target.pose.translation.vector);
                     self.off_mm = self.off_mm.max(lines.to(&to));
                     let length = distance(place, Some(to)).unwrap_or(0.0);
@@ -111,7 +111,7 @@ impl ReadBack {
 
 /// The motions that were checked.
 struct Checked<'a, const N: usize, const F: usize> {
-    legs: &'a [Leg<'a, N, F>],
+    legs: &'a [Segment<'a, N, F>],
     /// When the first of them begins, and the time that was asked for.
     begin: f64,
     time: f64,

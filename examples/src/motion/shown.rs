@@ -6,7 +6,7 @@ use curvlay_toolpath::deposit::{Move, MoveKind};
 use curvlay_toolpath::orientation::ToolPath;
 use curvlay_toolpath::path::BeadKind;
 use curvlay_trajectory::Trajectory;
-use curvlay_trajectory::print::{LegKind, PrintPlan};
+use curvlay_trajectory::print::{PrintPlan, SegmentKind};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::ops::Range;
 
@@ -66,7 +66,7 @@ fn stance<const N: usize, const F: usize, W: Workcell<N, F>>(
     frame_part: &Isometry3<f64>,
     seconds: f64,
 ) -> Option<Stance> {
-    let stance = cell.stance(joints)?;
+    let stance = cell.frames(joints)?;
     let model = cell.equipment().model();
     let held = match model.held {
         Held::Nozzle => stance.nozzle * Point3::new(0.0, 0.0, model.nozzle.block_top_mm),
@@ -149,7 +149,7 @@ pub fn played<const N: usize, const F: usize, W: Workcell<N, F>>(
     plan: &PrintPlan<N, F>,
     paths: &[ToolPath],
 ) -> (Vec<Step>, Robot) {
-    let knots = plan.legs(0..plan.runs.len()).map(|leg| leg.knots().len()).sum();
+    let knots = plan.segments(0..plan.runs.len()).map(|leg| leg.knots().len()).sum();
     let mut played = Played::new(cell, *frame_part, knots);
     play(&mut played, plan, 0..plan.runs.len(), paths);
     played.finish()
@@ -162,9 +162,9 @@ pub fn play<const N: usize, const F: usize, W: Workcell<N, F>>(
     runs: Range<usize>,
     paths: &[ToolPath],
 ) {
-    for leg in plan.legs(runs) {
+    for leg in plan.segments(runs) {
         let waypoints = paths.get(leg.run.path).map_or(&[][..], |path| &path.waypoints);
-        let prints = leg.kind == LegKind::Print;
+        let prints = leg.kind == SegmentKind::Print;
         let mut passes = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?))).peekable();
         let mut last = 0;
         let bead = |knot: usize| {

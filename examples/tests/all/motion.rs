@@ -7,7 +7,7 @@ use curvlay_kinematics::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_kinematics::program::{Goal, Move, Step};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::{
-    Arrival, Departure, LegKind, PlanTimes, PrintPlan, PrintRobot, Run, Travel, Waypoint, path_deviations,
+    Arrival, Departure, PlanTimes, PrintPlan, PrintRobot, Run, SegmentKind, Travel, Waypoint, path_deviations,
 };
 use curvlay_trajectory::transfer::Transfer;
 use curvlay_trajectory::{Bounds, Robot, RunIn, Timeline, Trajectory};
@@ -138,8 +138,8 @@ fn line_of_one() -> Waypoint {
 #[test]
 fn programs_stop_before_a_motion_that_is_not_proven_free() {
     let plan = plan();
-    let kinds: Vec<LegKind> = plan.legs(0..4).map(|leg| leg.kind).collect();
-    let [print, lift, transfer, approach] = LegKind::ALL;
+    let kinds: Vec<SegmentKind> = plan.segments(0..4).map(|leg| leg.kind).collect();
+    let [print, lift, transfer, approach] = SegmentKind::ALL;
     assert_eq!(kinds, [print, lift, transfer, approach, print, lift, transfer, approach, print, print]);
     let left = |motions: &[usize]| {
         let safe = plan.without(&motions.iter().copied().collect());
@@ -158,7 +158,7 @@ fn programs_stop_before_a_motion_that_is_not_proven_free() {
     assert_eq!(left(&[0, 4, 8, 9]), Vec::<Vec<usize>>::new());
     // No joints of what is left out are in the steps: after 0 without the run, which is at 0.2.
     let safe = plan.without(&[4].into());
-    assert!(safe.legs(0..safe.runs.len()).all(|leg| leg.kind == print && leg.run.path != 1));
+    assert!(safe.segments(0..safe.runs.len()).all(|leg| leg.kind == print && leg.run.path != 1));
 }
 
 /// Two runs from a home posture and back, the second behind a travel, each of 4 s with 2 mm of filament a second between its knots.

@@ -13,7 +13,7 @@
 
 use super::branches::{Branch, Solutions};
 use super::follow::{NO_STOPS, SMALL};
-use super::numbers::{FARTHEST_ANGLE, HELD, NEAR_WRIST, WRIST, meets};
+use super::numbers::{HELD, MAX_ANGLE, NEAR_WRIST, WRIST, meets};
 use super::planar::Free;
 use super::solver::Arm;
 use crate::angle::nearest_image;
@@ -58,7 +58,7 @@ impl Arm {
     pub fn continuing(&self, base_flange: &Isometry3<f64>, previous: &[f64; 6]) -> Option<[f64; 6]> {
         let (r, p) = parts(base_flange).ok()?;
         // NaN fails the comparison.
-        if !previous.iter().all(|angle| angle.abs() <= FARTHEST_ANGLE) {
+        if !previous.iter().all(|angle| angle.abs() <= MAX_ANGLE) {
             return None;
         }
         let was = self.inner(previous);

@@ -1,7 +1,7 @@
 //! Denavit-Hartenberg tables in the standard (distal) convention: `T_i = Rz(q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
 
 use super::error::{ArmError, within_reach};
-use super::numbers::{Frames, MovedAxes, SHORTEST};
+use super::numbers::{Frames, MIN_LINK_MM, MovedAxes};
 use crate::trig::sin_cos;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -56,7 +56,7 @@ impl DhTable {
         within_reach("a[1]", self.a[1])?;
         within_reach("a[2]", self.a[2])?;
         for joint in [1, 2] {
-            if self.a[joint].abs() < SHORTEST {
+            if self.a[joint].abs() < MIN_LINK_MM {
                 return Err(ArmError::NoLength { link: if joint == 1 { "upper arm" } else { "forearm" } });
             }
         }

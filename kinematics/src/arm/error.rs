@@ -1,7 +1,7 @@
 //! Numbers that make no arm.
 
 use crate::limits::LimitError;
-use crate::pose::{InvalidPose, LARGEST};
+use crate::pose::{InvalidPose, MAX_COORDINATE};
 
 /// Numbers that make no arm.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -79,5 +79,5 @@ pub(super) fn within(what: &'static str, value: f64, max: f64) -> Result<(), Arm
 }
 
 pub(super) fn within_reach(what: &'static str, value: f64) -> Result<(), ArmError> {
-    within(what, value, LARGEST)
+    within(what, value, MAX_COORDINATE)
 }

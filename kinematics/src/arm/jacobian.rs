@@ -21,7 +21,7 @@ pub struct Rates {
 
 /// The arm is singular where joints must turn this many times faster than the flange, for a flange moving a link's
 /// length a radian: derivatives beyond it have no digits left.
-const STEEPEST: f64 = 1e8;
+const MAX_RATIO: f64 = 1e8;
 
 impl Arm {
     /// Of each joint a point on its axis and the axis' direction (a positive turn by the right hand), in the base.
@@ -98,7 +98,7 @@ impl Arm {
             Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
         };
         let inverse = scaled(self.jacobian(joints, &Point3::origin())).try_inverse()?;
-        if inverse.iter().any(|entry| entry.is_nan() || entry.abs() > STEEPEST) {
+        if inverse.iter().any(|entry| entry.is_nan() || entry.abs() > MAX_RATIO) {
             return None;
         }
         let first: [f64; 6] = (inverse * stacked(velocity, direction.into_inner())).into();

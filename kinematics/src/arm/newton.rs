@@ -107,8 +107,8 @@ impl Arm {
         self.nearest_branch(q).slot()
     }
 
-    /// Puts a solution into the slot of its signs; if that is taken, into that of its guess, or the first free one. One that the
-    /// pose does not tell from another is left out.
+    /// Puts a solution into the slot of its signs; if that is taken, into that of its guess, or the first free one. One that equals
+    /// another for this pose is left out.
     fn add(&self, found: &mut Solutions, q: [f64; 6], guessed: usize, r: &Matrix3<f64>, p: &Vector3<f64>) {
         let is_known = found.iter().any(|(_, other)| {
             let image: [f64; 6] = std::array::from_fn(|k| nearest_image(q[k], other[k]));

@@ -9,7 +9,7 @@ pub(super) type Frames = [(Matrix3<f64>, Vector3<f64>); 7];
 pub(super) type MovedAxes = [(Matrix3<f64>, Vector3<f64>); 5];
 
 /// Links shorter than this, in millimetres, make no triangle.
-pub(super) const SHORTEST: f64 = 1e-3;
+pub(super) const MIN_LINK_MM: f64 = 1e-3;
 
 /// The sine of joint 5 up to which the wrist counts as singular. Then any joint 4 meets the pose within this angle, a
 /// quarter of [`ANGLE_TOLERANCE`]; above it joints 4 and 6 are what the pose says, to about 1e-16 over the sine.
@@ -20,7 +20,7 @@ pub(super) const WRIST: f64 = 2.5e-10;
 pub(super) const NEAR_WRIST: f64 = 1e-6;
 
 /// Angles beyond this, in radians, have too few digits left to be followed.
-pub(super) const FARTHEST_ANGLE: f64 = 1e6;
+pub(super) const MAX_ANGLE: f64 = 1e6;
 
 /// More than sums of a few angles lose by rounding, in radians.
 pub(super) const ANGLE_ROUNDING: f64 = 1e-13;

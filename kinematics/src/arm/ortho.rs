@@ -10,7 +10,7 @@
 
 use super::branches::{Branch, Solutions, slot};
 use super::error::{ArmError, within_reach};
-use super::numbers::{ANGLE_ROUNDING, Frames, HELD, MovedAxes, SHORTEST, meets};
+use super::numbers::{ANGLE_ROUNDING, Frames, HELD, MIN_LINK_MM, MovedAxes, meets};
 use super::planar::{Free, REACH, Turn, aim, bend, shoulder};
 use crate::trig::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
@@ -58,10 +58,10 @@ impl OrthoLengths {
             }
             within_reach(what, value)?;
         }
-        if c2.abs() < SHORTEST {
+        if c2.abs() < MIN_LINK_MM {
             return Err(ArmError::NoLength { link: "upper arm" });
         }
-        if a2.hypot(c3) < SHORTEST {
+        if a2.hypot(c3) < MIN_LINK_MM {
             return Err(ArmError::NoLength { link: "forearm" });
         }
         Ok(())

@@ -4,7 +4,7 @@ use super::branches::{Branch, Solutions};
 use super::deviation::{self, ArmDeviation, Deviation};
 use super::error::{ArmError, within};
 use super::model::{ArmModel, Geometry};
-use super::numbers::{FARTHEST_ANGLE, Frames, WRIST};
+use super::numbers::{Frames, MAX_ANGLE, WRIST};
 use super::ortho::OrthoArm;
 use super::planar::Free;
 use super::ur::UrArm;
@@ -41,7 +41,7 @@ impl Arm {
             if !offsets[joint].is_finite() {
                 return Err(ArmError::NotFinite { what: "offsets", joint, value: offsets[joint] });
             }
-            within(OFFSETS[joint], offsets[joint], FARTHEST_ANGLE)?;
+            within(OFFSETS[joint], offsets[joint], MAX_ANGLE)?;
             if (signs[joint].abs() - 1.0).abs() > 0.0 || signs[joint].is_nan() {
                 return Err(ArmError::Sign { joint, value: signs[joint] });
             }
@@ -76,7 +76,7 @@ impl Arm {
     /// [`Arm::continuing`] goes on from where the arm is, there as well.
     ///
     /// # Errors
-    /// [`ArmError`]: as [`Arm::new`]; for a frame that is none; and for an axis that is off by more than 30 mm (beyond what lengths take up) or 0.1 rad,
+    /// [`ArmError`]: as [`Arm::new`]; for an invalid frame; and for an axis that is off by more than 30 mm (beyond what lengths take up) or 0.1 rad,
     /// which is that of another arm.
     ///
     /// # Example

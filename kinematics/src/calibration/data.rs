@@ -43,7 +43,7 @@ pub struct FittedParameter {
     pub parameter: ArmParameter,
     /// How far it is from the nominal arm, in millimetres or radians.
     pub value: f64,
-    /// Its standard error, from the residuals; infinite where too few measurements are left over to tell.
+    /// Its standard error, from the residuals; infinite where there are too few measurements for one.
     pub standard_error: f64,
     /// Whether the poses determine it. One that is open has the value nearest to 0 that fits.
     pub is_determined: bool,
@@ -149,7 +149,7 @@ pub enum FitError {
         /// The coordinate.
         value: f64,
     },
-    /// The flange is in one orientation in all poses: then target and base cannot be told apart.
+    /// The flange is in one orientation in all poses: then target and base cannot be separated.
     #[error("all poses have one orientation of the flange: measure postures that are turned about two axes or more")]
     OneOrientation,
     /// An option is out of range.

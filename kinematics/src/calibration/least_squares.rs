@@ -3,14 +3,14 @@
 use super::data::{FitError, FitOptions, FitResiduals, FittedParameter, MeasuredPose, OpenDirection};
 use super::parameters::{ArmParameter, deviation_of};
 use crate::arm::{Arm, ArmDeviation, ArmModel, Geometry};
-use crate::pose::{LARGEST, is_frame, parts};
+use crate::pose::{MAX_COORDINATE, is_frame, parts};
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 /// The flange must turn by this much, in radians, between two poses at least. Below it the target on the flange is not determined
 /// by a device that measures to a thousandth of its distance.
 const MIN_TURN: f64 = 0.02;
 
-/// A step shorter than this is none: in millimetres, and at the end of the longest link.
+/// Steps shorter than this have converged: in millimetres, and at the end of the longest link.
 const STILL_MM: f64 = 1e-9;
 
 /// A parameter with more than this share (as a square) in open directions is not determined.
@@ -76,7 +76,8 @@ impl<'a> Problem<'a> {
             let measured = Isometry3::from_parts(Translation3::from(pose.position.coords), rotation);
             parts(&measured).map_err(|source| FitError::Pose { index, source })?;
             if !is_frame(&measured) {
-                let value = pose.position.iter().copied().find(|value| value.abs() > LARGEST).unwrap_or(f64::NAN);
+                let value =
+                    pose.position.iter().copied().find(|value| value.abs() > MAX_COORDINATE).unwrap_or(f64::NAN);
                 return Err(FitError::TooFar { index, value });
             }
         }
@@ -227,7 +228,7 @@ impl<'a> Problem<'a> {
                     let gain = square - tried.errors.norm_squared();
                     if gain >= 0.0 {
                         (*state, linear) = (next, tried);
-                        // What rounding leaves of a sum of squares: there is nothing more to gain.
+                        // Converged: rounding of the sum of squares is larger than the gain.
                         if gain <= 1e-14 * square {
                             return Ok(Solved { iterations: iterations + 1, is_converged: true });
                         }
@@ -287,7 +288,7 @@ impl<'a> Problem<'a> {
                 .collect();
             named.retain(|(share, _)| *share > OPEN_SHARE);
             named.sort_by(|a, b| b.0.total_cmp(&a.0));
-            // Directions within the frames, which are no parameters of the arm, are none of the user's.
+            // Directions within the frames, are no parameters of the arm, so the user does not see them.
             if !named.is_empty() {
                 let amplification = (self.poses.len() as f64).sqrt() / singular;
                 open.push(OpenDirection {

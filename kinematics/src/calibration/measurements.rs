@@ -4,7 +4,7 @@
 
 use super::data::MeasuredPose;
 use crate::arm::Arm;
-use crate::pose::LARGEST;
+use crate::pose::MAX_COORDINATE;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 use std::io::{BufRead, BufReader, Read, Write};
 
@@ -241,7 +241,7 @@ fn numbers<'a, const K: usize>(first: usize, cell: &impl Fn(usize) -> &'a str) -
             return Err(format!("{name} is empty, and others of its group are not"));
         }
         *value = text.parse::<f64>().map_err(|_| format!("{name}: `{text}` is not a number"))?;
-        if value.is_nan() || value.abs() > LARGEST {
+        if value.is_nan() || value.abs() > MAX_COORDINATE {
             return Err(format!("{name} is {text}: it must be from -1e6 to 1e6"));
         }
     }
@@ -258,7 +258,7 @@ fn rotation_of(rpy_deg: [f64; 3]) -> UnitQuaternion<f64> {
 mod json {
     use super::{MeasuredPose, MeasurementError, Measurements, Touch, rotation_of};
     use crate::json::JsonFault;
-    use crate::pose::LARGEST;
+    use crate::pose::MAX_COORDINATE;
     use crate::workcell::FrameModel;
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
     use serde::{Deserialize, Serialize};
@@ -294,7 +294,7 @@ mod json {
     }
 
     fn each<const K: usize>(path: &str, values: [f64; K]) -> Result<[f64; K], MeasurementError> {
-        match values.iter().position(|value| value.is_nan() || value.abs() > LARGEST) {
+        match values.iter().position(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
             Some(k) => Err(MeasurementError::Number { path: format!("{path}[{k}]"), value: values[k] }),
             None => Ok(values),
         }

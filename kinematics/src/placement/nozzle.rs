@@ -15,13 +15,12 @@
 //! are halved in the order of these bounds, and the first range of one index that comes up is the optimum.
 
 use crate::arm::Arm;
-use crate::pose::{LARGEST, is_frame};
-use crate::progress::Progress;
+use crate::pose::{MAX_COORDINATE, is_frame};
+use crate::progress::{Progress, ProgressFn};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 /// Which frames count as reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,7 +83,7 @@ pub enum PlacementError {
         length: f64,
     },
     /// The progress callback cancelled the search.
-    #[error("the search was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -193,12 +192,12 @@ fn halton(mut index: usize, base: usize) -> f64 {
 pub fn fullest_box(
     points: &[Point3<f64>],
     envelope: [f64; 3],
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Placement, PlacementError> {
-    if let Some(index) = points.iter().position(|point| !point.iter().all(|x| x.abs() <= LARGEST)) {
+    if let Some(index) = points.iter().position(|point| !point.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
         return Err(PlacementError::Point { index });
     }
-    if let Some(axis) = envelope.iter().position(|edge| !(0.0..=LARGEST).contains(edge)) {
+    if let Some(axis) = envelope.iter().position(|edge| !(0.0..=MAX_COORDINATE).contains(edge)) {
         return Err(PlacementError::Envelope { axis, length: envelope[axis] });
     }
     if points.is_empty() {
@@ -264,10 +263,7 @@ impl Search {
     }
 
     /// The lower corner of the best box.
-    fn best_corner(
-        &mut self,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<[f64; 3], PlacementError> {
+    fn best_corner(&mut self, progress: ProgressFn<'_>) -> Result<[f64; 3], PlacementError> {
         // Most points first, then the range that begins first.
         let mut open = BinaryHeap::new();
         let whole = (0, self.points.len());

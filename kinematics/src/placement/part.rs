@@ -6,16 +6,15 @@
 //!
 //! Places are compared by the number of waypoints without a posture, then by the number of those with little clearance, then
 //! by the smallest quality of any, then by their distance from the middle. Each of the first three only gets worse with each
-//! further waypoint. So a place is dropped as soon as it is no better than the best so far, with the rest of its
+//! further waypoint. So the search drops a place once it is no better than the best so far, with the rest of its
 //! waypoints unseen, and the waypoints that were bad at other places come first.
 
-use crate::pose::LARGEST;
-use crate::progress::Progress;
+use crate::pose::MAX_COORDINATE;
+use crate::progress::{Progress, ProgressFn};
 use crate::setup::Waypoint;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// Where a part stands on its carrier: waypoints of the part are turned about z of the part frame, then shifted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -108,7 +107,7 @@ pub enum PlaceError {
         waypoint: usize,
     },
     /// The progress callback cancelled the search.
-    #[error("the search was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -170,7 +169,7 @@ pub fn best_place(
     waypoints: &[Waypoint],
     min_clearance: f64,
     mut assess: impl FnMut(&PartPlace, &Waypoint) -> Option<Assessment>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<BestPlace, PlaceError> {
     check(places, waypoints)?;
     if min_clearance.is_nan() {
@@ -223,7 +222,9 @@ fn check(places: &[PartPlace], waypoints: &[Waypoint]) -> Result<(), PlaceError>
     if places.is_empty() {
         return Err(PlaceError::NoPlace);
     }
-    let sound = |place: &PartPlace| place.turn.abs() <= LARGEST && place.offset.iter().all(|x| x.abs() <= LARGEST);
+    let sound = |place: &PartPlace| {
+        place.turn.abs() <= MAX_COORDINATE && place.offset.iter().all(|x| x.abs() <= MAX_COORDINATE)
+    };
     if let Some(index) = places.iter().position(|place| !sound(place)) {
         return Err(PlaceError::Place { index });
     }
@@ -234,7 +235,7 @@ fn check(places: &[PartPlace], waypoints: &[Waypoint]) -> Result<(), PlaceError>
 }
 
 pub(super) fn is_place(waypoint: &Waypoint) -> bool {
-    waypoint.position.iter().chain(waypoint.axis.iter()).all(|x| x.abs() <= LARGEST)
+    waypoint.position.iter().chain(waypoint.axis.iter()).all(|x| x.abs() <= MAX_COORDINATE)
 }
 
 /// What is known of a place. Each part of it only gets worse.
@@ -293,7 +294,7 @@ const MAX_PLACES: f64 = 1e6;
 /// # Ok::<(), curvlay_kinematics::PlaceError>(())
 /// ```
 pub fn place_grid(max_offset: f64, steps: u32, turns: u32) -> Result<Vec<PartPlace>, PlaceError> {
-    if !(0.0..=LARGEST).contains(&max_offset) {
+    if !(0.0..=MAX_COORDINATE).contains(&max_offset) {
         let must = "from 0 to 1e6 mm";
         return Err(PlaceError::Option { what: "max_offset", value: max_offset, must });
     }

@@ -4,12 +4,11 @@ use super::part::{Assessment, PlaceError, best_place, place_grid};
 use super::posture::BestPosture;
 use super::sample::representative_waypoints;
 use crate::limits::JointLimits;
-use crate::progress::Progress;
+use crate::progress::ProgressFn;
 use crate::scene::{Mount, Scene, SceneError};
 use crate::setup::Waypoint;
 use crate::workcell::{PLATE, Workcell, nozzle_pairs};
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::ops::ControlFlow;
 
 /// How a place on the plate is chosen, for `F` free parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +99,7 @@ pub fn place_on_plate<const N: usize, const F: usize, W: Workcell<N, F>>(
     waypoints: &[Waypoint],
     wanted_mm: f64,
     options: &PlateOptions<F>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Isometry3<f64>, PlateError> {
     let PlateOptions { samples, stop_margin, margin_mm, comfortable_mm, rim_mm, .. } = *options;
     let middle = centred_on_plate(waypoints.iter().map(|waypoint| &waypoint.position));

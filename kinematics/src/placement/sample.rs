@@ -5,7 +5,7 @@
 //! near as this one.
 
 use super::part::{PlaceError, is_place};
-use crate::pose::LARGEST;
+use crate::pose::MAX_COORDINATE;
 use crate::setup::Waypoint;
 use nalgebra::Vector3;
 
@@ -53,7 +53,7 @@ pub fn representative_waypoints(
     if let Some(index) = waypoints.iter().position(|waypoint| !is_place(waypoint)) {
         return Err(PlaceError::Waypoint { index });
     }
-    if !(0.0..=LARGEST).contains(&lever) {
+    if !(0.0..=MAX_COORDINATE).contains(&lever) {
         return Err(PlaceError::Option { what: "lever", value: lever, must: "from 0 to 1e6 mm" });
     }
     let share = 1.0 / waypoints.len().max(1) as f64;

@@ -5,7 +5,7 @@ use crate::workcell::{ControllerPose, Workcell};
 use nalgebra::{Isometry3, UnitQuaternion};
 
 /// Waypoints that a line passes over at most: bounds the cost, a hundred interpolations a waypoint.
-const LONGEST: usize = 200;
+const MAX_PASSED: usize = 200;
 
 /// The waypoints that are needed: from each the farthest is next that leaves those between near the line. The first and the
 /// last stay, and those whose posture has no pose.
@@ -18,7 +18,7 @@ pub(super) fn merged<const N: usize, const F: usize, W: Workcell<N, F>>(
     let mut kept: Vec<PrintKnot<N>> = knots.first().copied().into_iter().collect();
     let mut from = 0;
     while from + 1 < knots.len() {
-        let most = (from + LONGEST).min(knots.len() - 1);
+        let most = (from + MAX_PASSED).min(knots.len() - 1);
         let mut to = from + 1;
         while to < most && is_line(&knots[from..=to + 1], &poses[from..=to + 1], options) {
             to += 1;

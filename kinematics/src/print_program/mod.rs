@@ -21,5 +21,5 @@ mod targets;
 
 pub use knot::{PrintKnot, TargetOptions};
 pub use pieces::{PrintPiece, print_pieces};
-pub use stream::{StreamLeg, StreamOptions, print_stream};
+pub use stream::{StreamOptions, StreamSegment, print_stream};
 pub use targets::{TargetMotion, print_targets};

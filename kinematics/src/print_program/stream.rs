@@ -5,7 +5,7 @@ use crate::program::{ExternalAxes, Goal, Move, ServoRate, Speed, Step, TimedSign
 
 /// A motion of a print as a function of time.
 #[derive(Clone, Debug)]
-pub struct StreamLeg<J, L> {
+pub struct StreamSegment<J, L> {
     /// In seconds. A leg whose duration is not finite, or not above 0, is left out.
     pub duration_s: f64,
     /// Joints of the arm at a time since the leg began.
@@ -55,9 +55,9 @@ impl Default for StreamOptions {
 /// # Example
 /// ```
 /// use curvlay_kinematics::program::Step;
-/// use curvlay_kinematics::print_program::{StreamLeg, StreamOptions, print_stream};
+/// use curvlay_kinematics::print_program::{StreamSegment, StreamOptions, print_stream};
 /// // Joint 1 turns by 0.1 rad in 20 ms while 1 mm of filament is laid.
-/// let leg = StreamLeg { duration_s: 0.02, joints: |t: f64| [5.0 * t, 0.0, 0.0, 0.0, 0.0, 0.0], filament_mm: Some(|t: f64| 50.0 * t), signals: Vec::new() };
+/// let leg = StreamSegment { duration_s: 0.02, joints: |t: f64| [5.0 * t, 0.0, 0.0, 0.0, 0.0, 0.0], filament_mm: Some(|t: f64| 50.0 * t), signals: Vec::new() };
 /// let steps: Vec<Step> = print_stream([[0.0; 6], [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]], [leg], StreamOptions::default()).collect();
 /// assert!(matches!(steps[..], [
 ///     Step::Move(_), Step::Extruder(true), Step::FilamentSpeed(_), Step::Servo { .. }, Step::Servo { .. },
@@ -66,7 +66,7 @@ impl Default for StreamOptions {
 /// ```
 pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
     ends: [[f64; 6]; 2],
-    legs: impl IntoIterator<Item = StreamLeg<J, L>>,
+    legs: impl IntoIterator<Item = StreamSegment<J, L>>,
     options: StreamOptions,
 ) -> impl Iterator<Item = Step> {
     let StreamOptions { rate, same_speed, lag_s } = options;
@@ -107,7 +107,7 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
     });
     // The end lies between two ticks.
     let steps = [first].into_iter().chain(along).chain([Step::Servo { joints: ends[1], seconds: period }]);
-    // A lag that is not a number is none; each of the two casts takes what is below 0 as 0.
+    // A lag of NaN counts as 0; each of the two casts maps values below 0 to 0.
     let ticks = (lag_s.clamp(-MAX_EARLY_S, f64::INFINITY) / period).round();
     Delayed::new(Advanced::new(steps, -ticks as usize), ticks as u64)
 }

@@ -1,6 +1,6 @@
 //! CSV: every step with every bit, for other programs. [`write_csv`] states the format.
 
-use super::check::{Checker, LARGEST};
+use super::check::{Checker, MAX_NUMBER};
 use super::text::tokens::Tokens;
 use super::{
     ConfData, ExternalAxes, Goal, HeadInput, HeadSignal, Move, ProgramLimits, ReadError, Speed, Step, Target,
@@ -86,7 +86,7 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
         Step::Move(to) => {
             let (word, target, joints) = match &to.goal {
                 Goal::Line(target) => ("line", Some(target), None),
-                Goal::Swing(target) => ("swing", Some(target), None),
+                Goal::JointMove(target) => ("swing", Some(target), None),
                 Goal::Joints(joints) => ("joints", None, Some(joints)),
             };
             text.extend_from_slice(word.as_bytes());
@@ -210,7 +210,7 @@ impl<R: BufRead> Row<R> {
         let kind = self.cell(0);
         let target: fn(Target) -> Goal = match kind {
             b"line" => Goal::Line,
-            b"swing" => Goal::Swing,
+            b"swing" => Goal::JointMove,
             b"joints" => {
                 self.blank(POSE..JOINTS)?;
                 let goal = Goal::Joints(self.numbers(JOINTS)?);
@@ -308,7 +308,7 @@ impl<R: BufRead> Row<R> {
         let value = value
             .filter(|value: &f64| value.is_finite())
             .ok_or_else(|| unexpected(&self.lines, self.start(column), "a finite number", text))?;
-        if value.abs() <= LARGEST { Ok(value) } else { Err(self.wrong(column, "a number of a program", value)) }
+        if value.abs() <= MAX_NUMBER { Ok(value) } else { Err(self.wrong(column, "a number of a program", value)) }
     }
 
     fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], ReadError> {

@@ -3,12 +3,10 @@
 use super::cells::CellTree;
 use super::mesh::MeshTree;
 use super::piece::{Form, Piece};
+use crate::pose::MAX_COORDINATE;
 use crate::pose::parts;
 use nalgebra::{Isometry3, Point3};
 use std::f64::consts::{PI, TAU};
-
-/// No coordinate may be farther out than this, in millimetres: below it rounding stays under the tolerances.
-pub const FARTHEST: f64 = 1e6;
 
 /// More cells than this along an axis are a mistake.
 const MAX_CELLS: u32 = 1 << 24;
@@ -138,13 +136,13 @@ pub enum SceneError {
         /// What was asked for.
         link: usize,
     },
-    /// A body is on a table, and there is none.
+    /// A body is on a table, but the scene has no table.
     #[error("body `{body}` is on the positioner, but the scene has none")]
     NoPositioner {
         /// The body.
         body: String,
     },
-    /// The pose of a body on its mount is none.
+    /// The pose of a body on its mount is invalid.
     #[error(
         "the pose of body `{body}` is invalid: its entries must be finite and at most 1e6 mm, its quaternion of length 1"
     )]
@@ -245,7 +243,7 @@ pub enum SceneError {
 /// The pieces of a body.
 pub(super) fn pieces(body: &Body) -> Result<Vec<Piece>, SceneError> {
     let name = || body.name.clone();
-    let sound = parts(&body.mount_body).is_ok() && body.mount_body.translation.vector.amax() <= FARTHEST;
+    let sound = parts(&body.mount_body).is_ok() && body.mount_body.translation.vector.amax() <= MAX_COORDINATE;
     if !sound {
         return Err(SceneError::Pose { body: name() });
     }
@@ -256,7 +254,7 @@ pub(super) fn pieces(body: &Body) -> Result<Vec<Piece>, SceneError> {
 fn shape_pieces(body: &Body, shape: &Shape) -> Result<Vec<Piece>, SceneError> {
     let name = || body.name.clone();
     let length = |what, value: f64, least: f64| {
-        let fine = value >= least && value <= FARTHEST;
+        let fine = value >= least && value <= MAX_COORDINATE;
         if fine { Ok(()) } else { Err(SceneError::Length { body: name(), what, value }) }
     };
     let piece = match shape {
@@ -320,7 +318,7 @@ pub(super) fn mesh(body: &Body, points: &[Point3<f64>], triangles: &[[u32; 3]]) 
 
 fn check_points(body: &str, points: &[Point3<f64>]) -> Result<(), SceneError> {
     // NaN fails the comparison.
-    let fits = |point: &Point3<f64>| point.iter().all(|x| x.abs() <= FARTHEST);
+    let fits = |point: &Point3<f64>| point.iter().all(|x| x.abs() <= MAX_COORDINATE);
     match points.iter().position(|point| !fits(point)) {
         Some(point) => Err(SceneError::Point { body: body.into(), point, value: points[point].coords.into() }),
         None => Ok(()),

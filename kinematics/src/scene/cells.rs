@@ -102,7 +102,7 @@ impl CellTree {
         }
     }
 
-    /// The blocks that make up a block of a level above 0, as far as there are any.
+    /// The blocks within the grid that make up a block of a level above 0.
     fn parts(&self, level: usize, at: [u32; 3]) -> impl Iterator<Item = [u32; 3]> + '_ {
         let dims = self.levels[level - 1].dims;
         (0..8u32).filter_map(move |k| {

@@ -61,7 +61,8 @@ mod rounding;
 mod search;
 mod sweep;
 
-pub use body::{Body, FARTHEST, Mount, SceneError, Shape};
+pub use crate::pose::MAX_COORDINATE;
+pub use body::{Body, Mount, SceneError, Shape};
 pub(crate) use hulls::convex_pieces;
 pub(crate) use links::link_body;
 pub use links::{LINK_NAMES, LinkSource, estimated_links, link_source, links};
@@ -152,13 +153,13 @@ impl Scene {
     /// `O(n log n)` for `n` triangles, `O(n)` for cells.
     pub fn new(model: SceneModel) -> Result<Self, SceneError> {
         let SceneModel { arm, positioner, links, bodies, allowed, margin, link_allowance, clearance } = model;
-        if !(0.0..=FARTHEST).contains(&margin) {
+        if !(0.0..=MAX_COORDINATE).contains(&margin) {
             return Err(SceneError::Margin { value: margin });
         }
-        if !(0.0..=FARTHEST).contains(&link_allowance) {
+        if !(0.0..=MAX_COORDINATE).contains(&link_allowance) {
             return Err(SceneError::Allowance { value: link_allowance });
         }
-        if !(0.0..=FARTHEST).contains(&clearance) {
+        if !(0.0..=MAX_COORDINATE).contains(&clearance) {
             return Err(SceneError::Clearance { value: clearance });
         }
         let mut scene = Scene {

@@ -65,11 +65,11 @@ pub struct Clearance<'a> {
 }
 
 /// Joints beyond this are refused.
-const MOST: f64 = 1e6;
+const MAX_JOINT: f64 = 1e6;
 
 impl Posture {
     pub(super) fn check(&self, with_table: bool) -> Result<(), PostureError> {
-        let wild = |angles: &[f64]| angles.iter().position(|angle| angle.is_nan() || angle.abs() >= MOST);
+        let wild = |angles: &[f64]| angles.iter().position(|angle| angle.is_nan() || angle.abs() >= MAX_JOINT);
         if let Some(joint) = wild(&self.joints) {
             return Err(PostureError::Joint { table: false, joint, value: self.joints[joint] });
         }

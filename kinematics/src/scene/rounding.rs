@@ -1,4 +1,4 @@
-//! What rounding may cost in a scene: the bounds by which its tests are on the safe side. Lengths are below [`super::FARTHEST`], where
+//! What rounding may cost in a scene: the bounds by which its tests are on the safe side. Lengths are below [`super::MAX_COORDINATE`], where
 //! a coordinate has an error of about 1e-10 mm. With less, a contact could be missed; with more, a gap is taken for a contact.
 
 /// More than sums of coordinates and lengths along a chain of links lose, in millimetres.

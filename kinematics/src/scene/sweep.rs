@@ -52,10 +52,10 @@ pub enum Sweep<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// The posture from which it goes out is none.
+    /// The posture at its start is invalid.
     #[error("at the start: {0}")]
     From(#[source] PostureError),
-    /// The posture to which it leads is none.
+    /// The posture at its end is invalid.
     #[error("at the end: {0}")]
     To(#[source] PostureError),
     /// A control point between start and end is no posture.
@@ -92,7 +92,7 @@ pub enum SweepError {
 pub(crate) const MIN_RESOLUTION: f64 = 1e-3;
 
 /// In radians: the four turns that a joint has from stop to stop, four times over.
-const FARTHEST_TURN: f64 = 100.0;
+const MAX_TURN: f64 = 100.0;
 
 /// How far points of the bodies move at most from the middle of an interval: of each body, by all joints from each on.
 struct Travel(Vec<[f64; 7]>);
@@ -269,13 +269,13 @@ impl Scene {
 
     /// Checks a motion through postures that have been checked.
     fn checked(&self, motion: Motion, resolution: f64) -> Result<Motion, SweepError> {
-        if !(MIN_RESOLUTION..=super::FARTHEST).contains(&resolution) {
+        if !(MIN_RESOLUTION..=super::MAX_COORDINATE).contains(&resolution) {
             return Err(SweepError::Resolution { value: resolution, min: MIN_RESOLUTION });
         }
         let (arm, on_table) = motion.lengths();
         let long = |table, angles: &[f64]| {
-            let joint = angles.iter().position(|&turn| turn > FARTHEST_TURN)?;
-            Some(SweepError::TooLong { table, joint, turn: angles[joint], max: FARTHEST_TURN })
+            let joint = angles.iter().position(|&turn| turn > MAX_TURN)?;
+            Some(SweepError::TooLong { table, joint, turn: angles[joint], max: MAX_TURN })
         };
         let long_table = || long(true, &on_table).filter(|_| self.positioner.is_some());
         match long(false, &arm).or_else(long_table) {

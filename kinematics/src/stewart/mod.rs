@@ -1,3 +1,5 @@
+//! For reproducing the machine of X. Song, Y. Pan and Y. Chen; prints use arms ([`workcell`](crate::workcell)).
+//!
 //! Stewart platforms: six legs of changing length between a base and a platform.
 //!
 //! D. Stewart, "A platform with six degrees of freedom", Proc. IMechE 180, 1965. The machine that X. Song, Y. Pan and

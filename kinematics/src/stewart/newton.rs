@@ -60,7 +60,7 @@ pub struct FollowError {
 }
 
 /// Longest leg that is asked for in earnest.
-const LONGEST: f64 = 1e7;
+const MAX_LEG_MM: f64 = 1e7;
 /// A pose is found when every leg is this near to its length, as a share of the longest or of
 /// the farthest joint: rounding is some 1e-15.
 const DONE: f64 = 1e-12;
@@ -69,8 +69,8 @@ const MAX_STEPS: u32 = 60;
 /// Halvings of a step after which it counts as stuck.
 const MAX_HALVINGS: u32 = 12;
 /// Largest turn in a step, in radians: beyond it the derivatives say nothing.
-const LARGEST_TURN: f64 = 1.0;
-/// A pivot below this share of the largest entry is none.
+const MAX_TURN: f64 = 1.0;
+/// A pivot below this share of the largest entry counts as zero: the platform is singular.
 const PIVOT: f64 = 1e-14;
 /// Halvings of the way between two sets of lengths, when the platform is followed.
 const MAX_SPLITS: u32 = 16;
@@ -122,7 +122,7 @@ impl Stewart {
             iterations += 1;
             let Some(step) = eliminate(linear.rows) else { return Err(StewartError::Singular) };
             let (v, w) = (Vector3::new(step[0], step[1], step[2]), Vector3::new(step[3], step[4], step[5]));
-            let mut share = (LARGEST_TURN / w.norm()).min(1.0);
+            let mut share = (MAX_TURN / w.norm()).min(1.0);
             let mut halvings = 0;
             loop {
                 let tried = moved(&state, &(v * share), &(w * share));
@@ -221,7 +221,7 @@ impl Stewart {
 }
 
 pub(super) fn check_lengths(legs: &[f64; 6]) -> Result<(), StewartError> {
-    match legs.iter().position(|length| !(*length > 0.0 && *length <= LONGEST)) {
+    match legs.iter().position(|length| !(*length > 0.0 && *length <= MAX_LEG_MM)) {
         None => Ok(()),
         Some(leg) => Err(StewartError::Length { leg, length: legs[leg] }),
     }

@@ -1,7 +1,7 @@
 //! The platform: its numbers, its legs at a pose, and what keeps it from one.
 
 use super::plane::Plane;
-use crate::pose::{LARGEST, parts};
+use crate::pose::{MAX_COORDINATE, parts};
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -219,7 +219,7 @@ impl Stewart {
         ];
         for (what, values) in named {
             for (leg, value) in values.into_iter().enumerate() {
-                if !value.iter().all(|x| x.abs() <= LARGEST) {
+                if !value.iter().all(|x| x.abs() <= MAX_COORDINATE) {
                     return Err(StewartModelError::Joint { what, leg, value });
                 }
             }
@@ -238,7 +238,7 @@ impl Stewart {
             }
         }
         let leg_radius = model.leg_radius;
-        if !(0.0..=LARGEST).contains(&leg_radius) {
+        if !(0.0..=MAX_COORDINATE).contains(&leg_radius) {
             return Err(StewartModelError::LegRadius { value: leg_radius });
         }
         let units = |what: &'static str, axes: [[f64; 3]; 6]| {

@@ -2,10 +2,9 @@
 //! workspace.
 
 use super::platform::{Stewart, StewartFault};
-use crate::pose::{LARGEST, is_frame};
-use crate::progress::Progress;
+use crate::pose::{MAX_COORDINATE, is_frame};
+use crate::progress::{Progress, ProgressFn};
 use nalgebra::{Isometry3, Matrix6, Point3, Translation3, UnitQuaternion, Vector3};
-use std::ops::ControlFlow;
 
 /// A path of poses that the platform can take.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,7 +107,7 @@ pub enum WorkspaceError {
     #[error("no rotation was given")]
     NoRotation,
     /// The progress callback cancelled the search.
-    #[error("the search was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -199,13 +198,13 @@ impl Stewart {
         &self,
         rotations: &[UnitQuaternion<f64>],
         options: &WorkspaceOptions,
-        progress: &dyn Fn(Progress) -> ControlFlow<()>,
+        progress: ProgressFn<'_>,
     ) -> Result<Workspace, WorkspaceError> {
         let WorkspaceOptions { lower, upper, cells, min_singularity } = *options;
         let size = upper - lower;
         let sound = size.iter().all(|x| *x > 0.0) && cells.iter().all(|&n| n > 0);
         // NaN fails the comparison.
-        if !sound || !lower.iter().chain(upper.iter()).all(|x| x.abs() <= LARGEST) {
+        if !sound || !lower.iter().chain(upper.iter()).all(|x| x.abs() <= MAX_COORDINATE) {
             return Err(WorkspaceError::Box);
         }
         if min_singularity.is_nan() {

@@ -8,7 +8,7 @@ use crate::arm::robots::{ARMS, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
 use crate::limits::JointLimits;
 use crate::positioner::{Positioner, PositionerError, PositionerModel};
-use crate::scene::{FARTHEST, SceneError};
+use crate::scene::{MAX_COORDINATE, SceneError};
 use crate::setup::{SetupError, nozzle_frame};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
@@ -76,7 +76,7 @@ pub enum WorkcellError {
         /// What is wrong with it.
         what: &'static str,
     },
-    /// Something is on a table, and there is none; or the arm has no such link.
+    /// Something is on a table that the workcell does not have, or on a link that the arm does not have.
     #[error("{path}: {what}")]
     Mount {
         /// The field.
@@ -134,11 +134,11 @@ pub(super) fn wrong(path: impl Into<String>, value: f64, must: impl Into<String>
 /// A number that a length or a coordinate can be.
 pub(super) fn finite(path: impl Into<String>, value: f64) -> Result<f64, WorkcellError> {
     // NaN fails the comparison.
-    if value.abs() <= FARTHEST { Ok(value) } else { Err(wrong(path, value, "a number from -1e6 to 1e6")) }
+    if value.abs() <= MAX_COORDINATE { Ok(value) } else { Err(wrong(path, value, "a number from -1e6 to 1e6")) }
 }
 
 pub(super) fn positive(path: impl Into<String>, value: f64) -> Result<f64, WorkcellError> {
-    if value > 0.0 && value <= FARTHEST { Ok(value) } else { Err(wrong(path, value, "above 0 and at most 1e6")) }
+    if value > 0.0 && value <= MAX_COORDINATE { Ok(value) } else { Err(wrong(path, value, "above 0 and at most 1e6")) }
 }
 
 pub(super) fn each<const K: usize>(path: &str, values: &[f64; K]) -> Result<[f64; K], WorkcellError> {

@@ -3,7 +3,7 @@
 use super::check::{Table, WorkcellError};
 use super::equipment::Equipment;
 use super::model::Held;
-use super::{ControllerPose, Following, FreeRange, Stance, Workcell};
+use super::{ControllerPose, Following, FreeRange, Workcell, WorkcellFrames};
 use crate::angle::short_way;
 use crate::arm::{ANGLE_TOLERANCE, Branch, POSITION_TOLERANCE};
 use crate::limits::JointLimits;
@@ -196,9 +196,9 @@ impl Workcell<8, 2> for EightAxisWorkcell {
         Some(eight(&arm.continuing(&flange, &joints)?, table))
     }
 
-    fn stance(&self, joints: &[f64; 8]) -> Option<Stance> {
+    fn frames(&self, joints: &[f64; 8]) -> Option<WorkcellFrames> {
         let (arm, table) = six_and_two(joints);
-        Some(super::stance(&self.setup.at(&table)?, &arm, Held::Nozzle))
+        Some(super::frames_of(&self.setup.at(&table)?, &arm, Held::Nozzle))
     }
 
     fn controller_pose(&self, joints: &[f64; 8]) -> Option<ControllerPose> {

@@ -1,4 +1,4 @@
-//! The scene of a print: a workcell with the part as far as it is built.
+//! The scene of a print: a workcell with the layers that are built so far.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), sections 2.5 and 3.5.3. The part is made of cells and grows
 //! layer by layer. What must keep apart depends on what the robot does, so there are three states of one scene:
@@ -47,7 +47,7 @@ pub struct GrowingOptions {
     pub resolution_mm: f64,
     /// Resolution where the first proves nothing. Default 0.25: with more, narrow passes count as closed.
     pub fine_resolution_mm: f64,
-    /// The indicator does not look farther than this. Default 30: with less, filters of motions are told too late.
+    /// The indicator does not look farther than this. Default 30: with less, filters of motions react too late.
     pub near_mm: f64,
     /// Whether the arm has no bodies: then nothing says what it touches, and nothing may be called free. Default false: an arm
     /// without bodies is refused.
@@ -117,7 +117,7 @@ pub enum GrowingError {
     Scene(#[from] SceneError),
 }
 
-/// A workcell with the part as far as it is built. See the documentation of [`GrowingOptions`] for the distances.
+/// A workcell with the layers that are built so far. See the documentation of [`GrowingOptions`] for the distances.
 ///
 /// Layers are numbered from 0; [`begin`](Self::begin) and [`build`](Self::build) add them. All queries take `&self`, and a
 /// clone costs as much memory as four scenes with their cells.

@@ -4,7 +4,7 @@ use super::check::{self, WorkcellError, finite, positive, wrong};
 use super::model::{ArmPart, BodiesModel, LinkMeshModel};
 use crate::arm::robots::ARMS;
 use crate::arm::{ArmModel, Geometry};
-use crate::scene::{self, Body, FARTHEST, LINK_NAMES, LinkSource, Shape, convex_pieces, link_body};
+use crate::scene::{self, Body, LINK_NAMES, LinkSource, MAX_COORDINATE, Shape, convex_pieces, link_body};
 use nalgebra::{Isometry3, Point3};
 
 /// Points and triangles of a mesh.
@@ -41,7 +41,7 @@ pub(super) fn of(
     arm: &ArmModel,
     read: LinkMeshReader<'_>,
 ) -> Result<(Vec<Body>, Option<LinkBodies>), WorkcellError> {
-    if !(0.0..=FARTHEST).contains(&part.allowance_mm) {
+    if !(0.0..=MAX_COORDINATE).contains(&part.allowance_mm) {
         return Err(wrong("arm.allowance_mm", part.allowance_mm, "from 0 to 1e6"));
     }
     // Bodies go with the frames of the arm as built; each is off by what its own two axes are.
@@ -123,7 +123,7 @@ fn hulls(path: &str, mesh: &LinkMeshModel, read: LinkMeshReader<'_>) -> Result<V
     let mut placed = Vec::with_capacity(points.len());
     for (k, point) in points.iter().enumerate() {
         let point = point * unit;
-        if let Some(value) = point.iter().find(|value| value.is_nan() || value.abs() > FARTHEST) {
+        if let Some(value) = point.iter().find(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
             finite(format!("{path}.file: vertex {k}"), *value)?;
         }
         placed.push(link_mesh * point);

@@ -10,7 +10,7 @@
 //! * [`SixAxisWorkcell`]: `N = 6`, `F = 1`, the tool angle;
 //! * [`EightAxisWorkcell`]: `N = 8` (the table's tilt and turn come last), `F = 2`, tilt and turn.
 //!
-//! [`GrowingScene`] is such a workcell with the part as far as it is built: what touches while printing, and while moving.
+//! [`GrowingScene`] is such a workcell with the layers that are built so far: what touches while printing, and while moving.
 //!
 //! Symbols: `theta` of section 4.3.1 is `free` here, `q` is `joints`. Branches are the slots of [`Branch`](crate::Branch).
 //!
@@ -137,7 +137,7 @@ pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
     fn continuing(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, previous: &[f64; N]) -> Option<[f64; N]>;
 
     /// Where everything is at a posture, in the base; `None` where a table is beyond its limits.
-    fn stance(&self, joints: &[f64; N]) -> Option<Stance>;
+    fn frames(&self, joints: &[f64; N]) -> Option<WorkcellFrames>;
 
     /// The posture as a controller takes it; `None` where a table is beyond its limits.
     fn controller_pose(&self, joints: &[f64; N]) -> Option<ControllerPose>;
@@ -149,9 +149,9 @@ pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
     fn manipulability(&self, joints: &[f64; N]) -> f64;
 }
 
-/// Where things are at a posture, in the base: for pictures.
+/// The frames of what moves at a posture, in the base: for pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stance {
+pub struct WorkcellFrames {
     /// The frames of the arm, from the base to the flange.
     pub arm: [Isometry3<f64>; 7],
     /// What carries the part: flange, table, or the base at the part frame.
@@ -184,12 +184,12 @@ fn controller_pose(setup: &Setup, joints: &[f64; 6], table: Option<[f64; 2]>) ->
     ControllerPose { target: Target { pose, conf: ConfData::of(setup.arm(), joints) }, table, joints: *joints }
 }
 
-fn stance(setup: &Setup, joints: &[f64; 6], held: Held) -> Stance {
+fn frames_of(setup: &Setup, joints: &[f64; 6], held: Held) -> WorkcellFrames {
     let arm = setup.arm().frames(joints);
     let ((_, part), (_, nozzle)) = (setup.part_frame(), setup.nozzle_frame());
     match held {
-        Held::Part => Stance { arm, carrier: arm[6], part: arm[6] * part, nozzle },
-        Held::Nozzle => Stance { arm, carrier: part, part, nozzle: arm[6] * nozzle },
+        Held::Part => WorkcellFrames { arm, carrier: arm[6], part: arm[6] * part, nozzle },
+        Held::Nozzle => WorkcellFrames { arm, carrier: part, part, nozzle: arm[6] * nozzle },
     }
 }
 

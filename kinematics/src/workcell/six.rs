@@ -3,7 +3,7 @@
 use super::check::WorkcellError;
 use super::equipment::Equipment;
 use super::model::{Held, RollerModel};
-use super::{ControllerPose, Following, FreeRange, Stance, Workcell};
+use super::{ControllerPose, Following, FreeRange, Workcell, WorkcellFrames};
 use crate::arm::Branch;
 use crate::limits::JointLimits;
 use crate::scene;
@@ -96,8 +96,8 @@ impl Workcell<6, 1> for SixAxisWorkcell {
         self.setup.arm().continuing(&self.setup.flange(waypoint, free[0] + turn), previous)
     }
 
-    fn stance(&self, joints: &[f64; 6]) -> Option<Stance> {
-        Some(super::stance(&self.setup, joints, self.equipment.model().held))
+    fn frames(&self, joints: &[f64; 6]) -> Option<WorkcellFrames> {
+        Some(super::frames_of(&self.setup, joints, self.equipment.model().held))
     }
 
     fn controller_pose(&self, joints: &[f64; 6]) -> Option<ControllerPose> {

@@ -22,7 +22,7 @@ fn message(k: u32) -> LinkMessage {
     match k % 7 {
         0 => LinkMessage::Speed(Speed { mm_s: 1.0 + x, rad_s: 0.5 }),
         1 | 2 => LinkMessage::Line { target: target(x), zone: Zone::Blend(0.3) },
-        3 => LinkMessage::Swing { target: target(x), zone: Zone::Stop },
+        3 => LinkMessage::JointMove { target: target(x), zone: Zone::Stop },
         4 => LinkMessage::Joints { joints: [0.1, -0.2, 0.3, 1e-3 * x, 1.5, -6.9], zone: Zone::Stop },
         5 => LinkMessage::Extruder(ExtruderCommand::Rpm(x)),
         _ => LinkMessage::Extruder(ExtruderCommand::PulseReverse(k)),
@@ -93,10 +93,10 @@ proptest! {
             _ => false,
         };
         for swing in [false, true] {
-            let message = if swing { LinkMessage::Swing { target, zone } } else { LinkMessage::Line { target, zone } };
+            let message = if swing { LinkMessage::JointMove { target, zone } } else { LinkMessage::Line { target, zone } };
             let (other, other_zone) = match back(message) {
                 LinkMessage::Line { target, zone } if !swing => (target, zone),
-                LinkMessage::Swing { target, zone } if swing => (target, zone),
+                LinkMessage::JointMove { target, zone } if swing => (target, zone),
                 other => panic!("{other:?}"),
             };
             prop_assert!((other.pose.translation.vector - target.pose.translation.vector).amax() <= 0.51e-4);
@@ -203,10 +203,10 @@ fn steps_become_messages_and_speeds_are_sent_where_they_change() {
     assert_eq!(kinds(0), "VLL(START)(RPM,4.5)VL(STOP)");
     assert_eq!(kinds(200), "VLL(START)(RPM,4.5)VL(PULSEREV,200)(STOP)");
     let joints = Move { goal: Goal::Joints([0.5; 6]), table: None, speed: Speed::default(), zone: Zone::Stop };
-    let swing = Move { goal: Goal::Swing(target(0.0)), ..joints };
+    let swing = Move { goal: Goal::JointMove(target(0.0)), ..joints };
     let table = Move { table: ExternalAxes::new([Some(1.0), None, None, None, None, None]), ..joints };
     let all: Vec<_> = LinkTranslator::new([joints, swing, table, joints].map(Step::Move).into_iter(), 0).collect();
-    assert!(matches!(all[1], Ok(LinkMessage::Joints { .. })) && matches!(all[2], Ok(LinkMessage::Swing { .. })));
+    assert!(matches!(all[1], Ok(LinkMessage::Joints { .. })) && matches!(all[2], Ok(LinkMessage::JointMove { .. })));
     // It ends with the first step that no message says.
     assert_eq!(all[3..], [Err(LinkError::Unsupported { step: 2, what: "external axes" })]);
     let servo = [Step::Servo { joints: [0.0; 6], seconds: 0.01 }];
@@ -379,7 +379,7 @@ proptest! {
             let wanted = LinkFrame::Message { number, message: message(k as u32) }.encode().unwrap();
             prop_assert_eq!(number as usize, k + 1);
             // The height, which may change at any time, is that of z alone.
-            let is_move = matches!(found, LinkMessage::Line { .. } | LinkMessage::Swing { .. });
+            let is_move = matches!(found, LinkMessage::Line { .. } | LinkMessage::JointMove { .. });
             let same = |from: usize, to: usize| bytes[from..to] == wanted[from..to];
             prop_assert!(same(0, 36) && same(48, 160) && (is_move || same(36, 48)), "{}", k);
         }

@@ -32,7 +32,7 @@ fn joints() -> impl Strategy<Value = [f64; 6]> {
 
 fn goal() -> impl Strategy<Value = Goal> {
     let target = || (pose(), conf()).prop_map(|(pose, conf)| Target { pose, conf });
-    prop_oneof![target().prop_map(Goal::Line), target().prop_map(Goal::Swing), joints().prop_map(Goal::Joints),]
+    prop_oneof![target().prop_map(Goal::Line), target().prop_map(Goal::JointMove), joints().prop_map(Goal::Joints),]
 }
 
 /// Full scale of the filament's speed in these programs.
@@ -110,7 +110,7 @@ fn came_back(before: &Step, after: &Step, digits: &Digits, ur: bool) -> bool {
     match (before, after) {
         (Step::Move(a), Step::Move(b)) => {
             let goal = match (&a.goal, &b.goal) {
-                (Goal::Line(a), Goal::Line(b)) | (Goal::Swing(a), Goal::Swing(b)) => target(a, b),
+                (Goal::Line(a), Goal::Line(b)) | (Goal::JointMove(a), Goal::JointMove(b)) => target(a, b),
                 (Goal::Joints(a), Goal::Joints(b)) => same_joints(a, b, digits.rad),
                 _ => false,
             };
@@ -142,7 +142,7 @@ fn finite(steps: &[Step]) -> bool {
     steps.iter().all(|step| match step {
         Step::Move(to) => {
             let goal = match &to.goal {
-                Goal::Line(target) | Goal::Swing(target) => {
+                Goal::Line(target) | Goal::JointMove(target) => {
                     let (at, turn) = (target.pose.translation.vector, target.pose.rotation);
                     at.iter().chain(turn.as_ref().coords.iter()).all(|x| x.is_finite())
                         && (turn.norm() - 1.0).abs() < 1e-6
@@ -818,7 +818,7 @@ fn strokes_stop_wherever_the_extruder_changes() {
         }
     }
     let height = |step: &Step| match step {
-        Step::Move(Move { goal: Goal::Line(t) | Goal::Swing(t), .. }) => t.pose.translation.z,
+        Step::Move(Move { goal: Goal::Line(t) | Goal::JointMove(t), .. }) => t.pose.translation.z,
         _ => f64::NAN,
     };
     // Above, on, signal, along, along, signal, above.

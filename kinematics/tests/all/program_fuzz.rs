@@ -17,7 +17,7 @@ fn is_finite(step: &Step) -> bool {
     match step {
         Step::Move(to) => {
             let goal = match &to.goal {
-                Goal::Line(target) | Goal::Swing(target) => is_pose(&target.pose),
+                Goal::Line(target) | Goal::JointMove(target) => is_pose(&target.pose),
                 Goal::Joints(joints) => joints.iter().all(|x| x.is_finite()),
             };
             let zone = if let Zone::Blend(radius) = to.zone { radius.is_finite() && radius > 0.0 } else { true };

@@ -5,7 +5,7 @@
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
 use curvlay_kinematics::print_program::{
-    PrintKnot, StreamLeg, StreamOptions, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
+    PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::program::{
     Goal, Move, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, UrScriptOptions, UrScriptReader,
@@ -38,8 +38,10 @@ fn over_table() -> EightAxisWorkcell {
 }
 
 /// Joint 1 says when, joint 2 which leg.
-fn legs(durations: &[(f64, bool)]) -> Vec<StreamLeg<impl Fn(f64) -> [f64; 6] + use<>, impl Fn(f64) -> f64 + use<>>> {
-    let leg = |(k, &(duration_s, prints)): (usize, &(f64, bool))| StreamLeg {
+fn legs(
+    durations: &[(f64, bool)],
+) -> Vec<StreamSegment<impl Fn(f64) -> [f64; 6] + use<>, impl Fn(f64) -> f64 + use<>>> {
+    let leg = |(k, &(duration_s, prints)): (usize, &(f64, bool))| StreamSegment {
         duration_s,
         joints: move |time: f64| [time, k as f64, 0.0, 0.0, 0.0, 0.0],
         // It begins after a tenth of a second and then is steady.
@@ -122,7 +124,7 @@ fn a_stream_of_nothing_goes_from_end_to_end() {
 
 #[test]
 fn a_steady_speed_is_written_once_and_the_program_comes_back() {
-    let leg = StreamLeg {
+    let leg = StreamSegment {
         duration_s: 2.0,
         joints: |t: f64| [0.3 * t; 6],
         filament_mm: Some(|t: f64| 2.0 * t),

@@ -1,7 +1,7 @@
 //! What an arm does with a stream of `servoj`, by a simulation of the control law as its maker describes it, and signals that wait
 //! for it.
 
-use curvlay_kinematics::print_program::{StreamLeg, StreamOptions, print_stream};
+use curvlay_kinematics::print_program::{StreamOptions, StreamSegment, print_stream};
 use curvlay_kinematics::program::{ServoRate, Step, UrScriptOptions, UrScriptReader, write_urscript};
 use std::f64::consts::TAU;
 
@@ -55,9 +55,9 @@ fn the_arm_is_behind_by_the_look_ahead_time() {
     }
 }
 
-fn leg(duration_s: f64, prints: bool) -> StreamLeg<impl Fn(f64) -> [f64; 6], impl Fn(f64) -> f64> {
+fn leg(duration_s: f64, prints: bool) -> StreamSegment<impl Fn(f64) -> [f64; 6], impl Fn(f64) -> f64> {
     let joints = move |time: f64| [0.1 * time, 0.0, 0.0, 0.0, 0.0, 0.0];
-    StreamLeg { duration_s, joints, filament_mm: prints.then_some(|time: f64| 2.0 * time), signals: Vec::new() }
+    StreamSegment { duration_s, joints, filament_mm: prints.then_some(|time: f64| 2.0 * time), signals: Vec::new() }
 }
 
 /// For each signal, after how many steps of the stream it comes.

@@ -217,7 +217,7 @@ proptest! {
                 .map(|&(_, share, signal)| TimedSignal { time_s: share * duration_s, signal, on: true })
                 .collect();
             signals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-            StreamLeg { duration_s, joints: |_: f64| [0.0; 6], filament_mm: None::<fn(f64) -> f64>, signals }
+            StreamSegment { duration_s, joints: |_: f64| [0.0; 6], filament_mm: None::<fn(f64) -> f64>, signals }
         };
         let steps: Vec<Step> =
             print_stream([[0.0; 6]; 2], durations.iter().enumerate().map(leg), StreamOptions::default()).collect();

@@ -42,7 +42,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
     let joints = prop::array::uniform6(-6.0..6.0f64);
     let goal = prop_oneof![
         3 => target.clone().prop_map(Goal::Line),
-        1 => target.prop_map(Goal::Swing),
+        1 => target.prop_map(Goal::JointMove),
         1 => joints.clone().prop_map(Goal::Joints),
     ];
     let zone = prop_oneof![Just(Zone::Stop), (0.01..200.0f64).prop_map(Zone::Blend)];
@@ -79,7 +79,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 /// Where the TCP is behind a step of a program with the tool in the hand.
 fn place(step: &Step, arm: Option<&Arm>, options: &UrScriptOptions) -> Option<Vector3<f64>> {
     match step {
-        Step::Move(Move { goal: Goal::Line(target) | Goal::Swing(target), .. }) => {
+        Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), .. }) => {
             Some((options.work * target.pose).translation.vector)
         }
         Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
@@ -124,7 +124,7 @@ proptest! {
             match (before, &again[k]) {
                 (Step::Move(a), Step::Move(b)) => {
                     match (&a.goal, &b.goal) {
-                        (Goal::Line(a), Goal::Line(b)) | (Goal::Swing(a), Goal::Swing(b)) => {
+                        (Goal::Line(a), Goal::Line(b)) | (Goal::JointMove(a), Goal::JointMove(b)) => {
                             prop_assert!((a.pose.translation.vector - b.pose.translation.vector).norm() < 1e-5);
                             prop_assert!(a.pose.rotation.angle_to(&b.pose.rotation) < 1e-8);
                         }

@@ -9,9 +9,9 @@ use curvlay_kinematics::nalgebra::{
 };
 use curvlay_kinematics::stewart::*;
 use proptest::prelude::*;
-use std::cell::Cell;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The platform of the reference rows.
 fn hexagon() -> StewartModel {
@@ -471,13 +471,13 @@ fn the_workspace_is_what_the_legs_reach() {
     assert_eq!(error(WorkspaceOptions { lower: Point3::new(f64::NAN, 0.0, 0.0), ..options }), WorkspaceError::Box);
     assert!(matches!(error(WorkspaceOptions { cells: [u32::MAX; 3], ..options }), WorkspaceError::TooMany { .. }));
     assert_eq!(table.workspace(&[], &options, &go), Err(WorkspaceError::NoRotation));
-    let seen = Cell::new(0);
+    let seen = AtomicU32::new(0);
     let stop = |_: Progress| {
-        seen.set(seen.get() + 1);
-        if seen.get() == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        let now = seen.fetch_add(1, Ordering::Relaxed) + 1;
+        if now == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     assert_eq!(table.workspace(&level, &options, &stop), Err(WorkspaceError::Cancelled));
-    assert_eq!(seen.get(), 3);
+    assert_eq!(seen.into_inner(), 3);
 }
 
 #[test]

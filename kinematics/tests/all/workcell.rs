@@ -134,7 +134,7 @@ fn the_ur3_of_the_file_is_the_one_made_by_hand() {
                 let on_part = cell.nozzle_on_part(&joints).unwrap();
                 assert_eq!(on_part, by_hand.nozzle_on_part(&joints));
                 assert_meets(&on_part, &waypoint);
-                let stance = cell.stance(&joints).unwrap();
+                let stance = cell.frames(&joints).unwrap();
                 let frames = by_hand.frames(&joints, &waypoint, angle);
                 assert_eq!((stance.nozzle, stance.carrier), (nozzle, stance.arm[6]));
                 assert!((stance.part.to_homogeneous() - frames.part.to_homogeneous()).amax() < 1e-11);
@@ -192,7 +192,7 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
                 let pose = cell.controller_pose(&joints).unwrap();
                 assert_eq!((pose.table, pose.joints), (Some(table), arm));
                 assert_eq!(cell.scene_posture(&joints), Posture { joints: arm, table });
-                let stance = cell.stance(&joints).unwrap();
+                let stance = cell.frames(&joints).unwrap();
                 assert_eq!(stance.part, at.part_frame().1);
                 count += 1;
             }
@@ -299,7 +299,7 @@ fn a_bent_nozzle_keeps_its_heading_over_a_table() {
     let (waypoint, mut count) = (leaning(10.0, 20.0, 30.0, [0.0, 0.0]), 0);
     for turn in [0.0, 1.0, 2.0, 3.0] {
         for (_, joints) in solutions(&cell, &waypoint, &[0.0, turn]) {
-            let x = cell.stance(&joints).unwrap().nozzle.rotation * Vector3::x();
+            let x = cell.frames(&joints).unwrap().nozzle.rotation * Vector3::x();
             let expected = Vector3::new(30f64.to_radians().cos(), 30f64.to_radians().sin(), 0.0);
             assert!((x - expected).norm() < 1e-8, "{x:?}");
             count += 1;
@@ -452,7 +452,7 @@ fn a_table_with_narrow_stops_is_no_turn() {
     let found = solutions(&cell, &waypoint, &[0.0, degrees(190.0)]);
     assert!(!found.is_empty() && found.iter().all(|(_, joints)| joints[7] > PI));
     assert!(solutions(&cell, &waypoint, &[0.0, degrees(-100.0)]).is_empty());
-    assert_eq!(cell.stance(&[0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 2.0, 0.0]), None);
+    assert_eq!(cell.frames(&[0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 2.0, 0.0]), None);
 }
 
 /// The same arm by its lengths, not by its name.

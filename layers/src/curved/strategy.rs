@@ -84,7 +84,7 @@ impl Strategy {
             Strategy::Incremental => with(Prevention::Incremental, None),
             Strategy::Adaptive => with(Prevention::Adaptive, None),
             Strategy::Governed(prevention) => {
-                let thick_sheets = Rules { eps_is_inside: false, ..*rules };
+                let thick_sheets = Rules { boundary_is_inside: false, ..*rules };
                 with(prevention, Some(&peel(cells, platform, &thick_sheets, progress)?))
             }
             Strategy::Printed(prevention) => {

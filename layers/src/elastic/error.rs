@@ -61,7 +61,7 @@ pub enum ElasticError {
     #[error("{what} {number} holds a number that is not finite")]
     NotFinite {
         /// Support or load.
-        what: Given,
+        what: BoundaryCondition,
         /// Which one, counted from 0.
         number: usize,
     },
@@ -69,7 +69,7 @@ pub enum ElasticError {
     #[error("the region of {what} {number} holds no {}: the part lies within {low:?} to {high:?} mm", .what.acts_on())]
     EmptyRegion {
         /// Support or load.
-        what: Given,
+        what: BoundaryCondition,
         /// Which one, counted from 0.
         number: usize,
         /// Lower corner of the box around the part, in millimetres.
@@ -132,27 +132,27 @@ pub enum ElasticError {
 
 /// What a user gives with a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Given {
+pub enum BoundaryCondition {
     /// A [`Support`](super::Support).
     Support,
     /// A [`Load`](super::Load).
     Load,
 }
 
-impl Given {
+impl BoundaryCondition {
     fn acts_on(self) -> &'static str {
         match self {
-            Given::Support => "node",
-            Given::Load => "centre of an outer face",
+            BoundaryCondition::Support => "node",
+            BoundaryCondition::Load => "centre of an outer face",
         }
     }
 }
 
-impl std::fmt::Display for Given {
+impl std::fmt::Display for BoundaryCondition {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
-            Given::Support => "support",
-            Given::Load => "load",
+            BoundaryCondition::Support => "support",
+            BoundaryCondition::Load => "load",
         })
     }
 }

@@ -12,11 +12,11 @@
 //! slanted or round border they may be off by far more.
 
 mod composite;
+mod conditions;
 pub(crate) mod elements;
 mod error;
-mod given;
-mod held;
 pub(crate) mod material;
+mod mechanism;
 mod multigrid;
 pub(crate) mod nodes;
 mod operator;
@@ -25,16 +25,16 @@ mod solve;
 mod transfer;
 
 pub use composite::{Bond, Plies, Ply, Strip, load_factor, plies, solve_composite, traction};
-pub use error::{ElasticError, Given};
-pub use given::{Load, Region, Support};
+pub use conditions::{Load, Region, Support};
+pub use error::{BoundaryCondition, ElasticError};
 pub use material::{Material, Principal, principal_stresses, stress_matrix, von_mises};
 pub use orthotropic::{Orthotropic, laminate};
 
 use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::{Progress, parallel};
+use conditions::Places;
 use elements::Elements;
-use given::Places;
 use multigrid::{Multigrid, free, minus};
 use nalgebra::Matrix6;
 use nodes::{NONE, Points};
@@ -193,7 +193,7 @@ fn solve(
     let Discrete { cells, nodes, corners } = Discrete::of(part.cells)?;
     let places = Places { cells: &cells, nodes: &nodes, corners: &corners, cell_mm: part.cell_mm };
     let (fixed, moved) = places.supported(part.supports)?;
-    held::check(&places, &fixed)?;
+    mechanism::check(&places, &fixed)?;
     let forces = places.forces(part.loads)?;
     let report = |done: u64| progress(Progress { stage: "elastic", done, total: 100 }).is_continue();
     if !report(0) {
@@ -251,7 +251,7 @@ pub fn supported_cells(cells: &Cells, cell_mm: f64, supports: &[Support]) -> Res
     let discrete = Discrete::of(cells)?;
     let places = Places { cells: &discrete.cells, nodes: &discrete.nodes, corners: &discrete.corners, cell_mm };
     let (fixed, _) = places.supported(supports)?;
-    let (piece_of, pieces) = held::pieces_held(&places, &fixed);
+    let (piece_of, pieces) = mechanism::pieces_held(&places, &fixed);
     let mut rows = vec![0; cells.rows().len()];
     for (cell, _) in piece_of.iter().enumerate().filter(|&(_, &piece)| pieces[piece as usize].is_supported()) {
         let [x, y, z] = discrete.cells.place(cell);

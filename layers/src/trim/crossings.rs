@@ -9,7 +9,7 @@
 use super::SurfaceSlices;
 use super::crossing::{pierce, through};
 use super::edges::Edges;
-use super::error::{Input, MOST, TrimError, check};
+use super::error::{Input, MAX_ITEMS, TrimError, check};
 use super::exact::height;
 use super::predicates::{Moves, passing, side};
 use super::triangle::MIN_ALTITUDE_MM;
@@ -80,8 +80,8 @@ impl<'a> AllTriangles<'a> {
     /// Of surfaces that have been checked.
     pub(super) fn new(surfaces: &'a [SurfaceSlices<'a>]) -> Result<Self, TrimError> {
         let count: usize = surfaces.iter().map(|(_, triangles)| triangles.len()).sum();
-        if count > MOST {
-            return Err(TrimError::TooMany { input: Input::Sheet, most: MOST });
+        if count > MAX_ITEMS {
+            return Err(TrimError::TooMany { input: Input::Sheet, most: MAX_ITEMS });
         }
         let mut places = Vec::with_capacity(count);
         let mut boxes = Vec::with_capacity(count);

@@ -7,7 +7,7 @@ use std::fmt;
 pub const MAX_COORDINATE: f64 = 1e9;
 
 /// What asks whether to go on: so many triangles of so many are done.
-pub(super) type Watch<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
+pub(super) type AccessibilityTracker<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
 
 /// Which of the two inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,11 +91,11 @@ pub enum TrimError {
 }
 
 /// As many triangles or vertices as there may be: their half-edges and cuts are numbered by 32 bits.
-pub(super) const MOST: usize = 1 << 28;
+pub(super) const MAX_ITEMS: usize = 1 << 28;
 
 pub(super) fn check(input: Input, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), TrimError> {
-    if vertices.len().max(triangles.len()) > MOST {
-        return Err(TrimError::TooMany { input, most: MOST });
+    if vertices.len().max(triangles.len()) > MAX_ITEMS {
+        return Err(TrimError::TooMany { input, most: MAX_ITEMS });
     }
     let good = |p: &Point3<f64>| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
     if let Some(vertex) = vertices.iter().position(|p| !good(p)) {

@@ -6,7 +6,7 @@
 //! it, and on its other side it differs by the rise of the cut. What is smaller than a triangle of the sheet may be missed.
 
 use super::edges::Edges;
-use super::error::{TrimError, Watch};
+use super::error::{AccessibilityTracker, TrimError};
 use super::patch::NONE;
 use super::pieces::Pieces;
 use super::solid::Solid;
@@ -42,7 +42,7 @@ pub(super) fn split_at_half(
     pieces: &mut Pieces,
     solid: &Solid,
     dipoles: &Dipoles,
-    watch: Watch,
+    watch: AccessibilityTracker,
 ) -> Result<Vec<bool>, TrimError> {
     let count = 3 * pieces.corners.len();
     let mut halves = Halves { pieces, solid, dipoles, excess: vec![f64::NAN; count] };
@@ -94,7 +94,7 @@ impl Halves<'_> {
     }
 
     /// Finds the number of each corner.
-    fn measure(&mut self, watch: Watch) -> Result<(), TrimError> {
+    fn measure(&mut self, watch: AccessibilityTracker) -> Result<(), TrimError> {
         let mut fan = Vec::new();
         let mut numbers = Vec::new();
         for half in 0..self.excess.len() as u32 {

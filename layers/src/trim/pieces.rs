@@ -5,7 +5,7 @@
 //! pieces follow from one of each connected part of the sheet, by the rises of the edges between them.
 
 use super::crossing::{End, meet, pierce};
-use super::error::{TrimError, Watch};
+use super::error::{AccessibilityTracker, TrimError};
 use super::patch::{NEAR, NONE, Patch, SIDE};
 use super::sheet::Sheet;
 use super::solid::Solid;
@@ -57,7 +57,7 @@ struct Cuts {
 }
 
 impl Pieces {
-    pub(super) fn cut(sheet: &Sheet, solid: &Solid, watch: Watch) -> Result<Pieces, TrimError> {
+    pub(super) fn cut(sheet: &Sheet, solid: &Solid, watch: AccessibilityTracker) -> Result<Pieces, TrimError> {
         let segments = segments(sheet, solid);
         let mut pieces = Pieces { points: sheet.points.to_vec(), ..Pieces::default() };
         let cuts = Cuts::new(sheet, solid, &segments, &mut pieces.points);

@@ -196,7 +196,7 @@ fn depth_after(dims: [u32; 3], first: &[[u32; 3]], probe: [u32; 3], platform: &P
 /// The tie at `depth` is inside, and a thousandth of a cell more is asked in vain.
 fn assert_depth(depth: f64, dims: [u32; 3], first: &[[u32; 3]], probe: [u32; 3], platform: &Platform, flat: bool) {
     let with = |eps: f64| {
-        let rules = Rules { eps, flat, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: eps, flat, ..Rules::default() };
         depth_after(dims, first, probe, platform, &rules)
     };
     assert_eq!(with(depth), Some(depth));
@@ -217,7 +217,7 @@ fn ties_on_a_3_4_5_plane_are_exact() {
         assert_depth(depth, dims, &first, probe, &platform, false);
     }
     for eps in [0.0, 0.5, 1.0, 2.0] {
-        let rules = Rules { eps, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: eps, ..Rules::default() };
         let depth = depth_after(dims, &first, [5, 4, 5], &platform, &rules); // 0.2 cells deep
         assert_eq!(depth.is_some(), eps < 0.2, "{eps}");
         assert_eq!(depth_after(dims, &first, [4, 4, 7], &platform, &rules), None); // 0.8 cells above
@@ -256,8 +256,15 @@ fn a_margin_that_is_no_integer_is_rounded_up() {
     let platform = Platform::segment(0.0, 2049.0).unwrap();
     let [left, right, probe] = [[0, 0, 3], [2048, 0, 2], [1024, 0, 2]].map(|place| cells.id(place));
     let order = order_of(&[vec![left, right], vec![probe]]);
-    let with =
-        |eps: f64| insides(&check(&cells, &platform, &Rules { eps, flat: true, ..Rules::default() }, &order, &[]));
+    let with = |eps: f64| {
+        insides(&check(
+            &cells,
+            &platform,
+            &Rules { inside_depth_cells: eps, flat: true, ..Rules::default() },
+            &order,
+            &[],
+        ))
+    };
     assert_eq!(with(0.5), []);
     let [(cell, depth)] = with(511.0 / 1024.0)[..] else { panic!("inside by a thousandth of a cell") };
     assert_eq!(cell, probe);
@@ -278,7 +285,7 @@ fn the_largest_coordinates_do_not_overflow() {
         let cells = Cells::new(dims, &rows).unwrap();
         let layers: Vec<_> = places.iter().map(|&place| vec![cells.id(place)]).collect();
         for (eps, platform) in [(16.0, platform.clone()), (0.0, platform.clone().elevated(-Platform::REACH).unwrap())] {
-            let rules = Rules { eps, ..Rules::default() };
+            let rules = Rules { inside_depth_cells: eps, ..Rules::default() };
             let report = check(&cells, &platform, &rules, &order_of(&layers), &[]);
             assert_same(&report.faults, &slow_audit(&cells, &platform, &rules, &layers, &[]));
             assert!(report.counts.inside > 0 || dims[2] == 2, "cells in a tall cone are inside");
@@ -288,7 +295,7 @@ fn the_largest_coordinates_do_not_overflow() {
 
 #[test]
 fn eps_0_counts_the_surface_and_the_plate_itself() {
-    let surface = Rules { eps: 0.0, ..Rules::default() };
+    let surface = Rules { inside_depth_cells: 0.0, ..Rules::default() };
     let dims = [5, 5, 3];
     let platform = rectangle([0.0, 0.0], [5.0, 5.0]);
     let corners = [[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]];
@@ -299,7 +306,7 @@ fn eps_0_counts_the_surface_and_the_plate_itself() {
     let through = platform.elevated(1).unwrap();
     assert_eq!(depth_after(dims, &[], [2, 2, 0], &through, &surface), Some(0.0));
     assert_eq!(depth_after(dims, &[], [2, 2, 1], &through, &surface), None);
-    let barely = Rules { eps: 1.0 / 1024.0, ..surface };
+    let barely = Rules { inside_depth_cells: 1.0 / 1024.0, ..surface };
     assert_eq!(depth_after(dims, &[], [2, 2, 0], &through, &barely), None);
 }
 
@@ -344,8 +351,8 @@ fn unsound_input_is_refused() {
         audit(&cells, &platform, &rules, order, missed, &|_| ControlFlow::Continue(()))
     };
     let none = LayerOrder::new();
-    let eps = Rules { eps: -1.0, ..Rules::default() };
-    assert_eq!(run(eps, &none, &[]), Err(AuditError::Rules(RulesError::Eps { eps: -1.0 })));
+    let eps = Rules { inside_depth_cells: -1.0, ..Rules::default() };
+    assert_eq!(run(eps, &none, &[]), Err(AuditError::Rules(RulesError::InsideDepth { cells: -1.0 })));
     let flat = Rules { flat: true, ..Rules::default() };
     assert_eq!(run(flat, &none, &[]), Err(AuditError::Rules(RulesError::NotFlat { ny: 2 })));
     let outside = Err(AuditError::OutsideGrid { cell: 4, len: 4 });
@@ -475,7 +482,7 @@ fn slow_audit(cells: &Cells, platform: &Platform, rules: &Rules, layers: &[Vec<u
             if !stands && !built[..earlier].iter().any(touches) {
                 faults.push(Fault::Unsupported { cell, layer });
             }
-            let eps = (i128::from(rules.eps_in_1024ths().unwrap()), rules.eps_is_inside);
+            let eps = (i128::from(rules.inside_depth_in_1024ths().unwrap()), rules.boundary_is_inside);
             if let Some(depth) = slow_depth(&points, [x, y, z], eps, rules.flat, platform.reaches_down()) {
                 faults.push(Fault::Inside { cell, layer, depth });
             }
@@ -520,9 +527,9 @@ fn some_platform() -> impl Strategy<Value = Platform> {
 
 fn some_rules() -> impl Strategy<Value = Rules> {
     let eps = prop::sample::select(vec![0.0, 0.25, 0.5, 0.7, 1.0, 1.5, 2.0]);
-    (eps, any::<[bool; 3]>()).prop_map(|(eps, [eps_is_inside, one_norm, flat])| Rules {
-        eps,
-        eps_is_inside,
+    (eps, any::<[bool; 3]>()).prop_map(|(eps, [boundary_is_inside, one_norm, flat])| Rules {
+        inside_depth_cells: eps,
+        boundary_is_inside,
         neighbours: if one_norm { Neighbours::OneNorm } else { Neighbours::FaceOrEdge },
         flat,
     })

@@ -360,7 +360,7 @@ fn bad_input_is_refused() {
     assert!(matches!(grow(f64::NAN, &rules, &nozzle), GrowthError::Nozzle(NozzleRuleError::Cell { .. })));
     let narrow = NozzleRule { block_mm: 1.0, ..nozzle };
     assert!(matches!(grow(1.0, &rules, &narrow), GrowthError::Nozzle(NozzleRuleError::Block { .. })));
-    assert!(matches!(grow(1.0, &Rules { eps: f64::NAN, ..rules }, &nozzle), GrowthError::Rules(_)));
+    assert!(matches!(grow(1.0, &Rules { inside_depth_cells: f64::NAN, ..rules }, &nozzle), GrowthError::Rules(_)));
     let stop = |_: Progress| ControlFlow::Break(());
     let cancelled = grow_by_distance(&cells, 1.0, &tower.platform, &rules, None, &nozzle, &stop);
     assert_eq!(cancelled.unwrap_err(), GrowthError::Cancelled);

@@ -74,7 +74,7 @@ proptest! {
     #[test]
     fn peeling_agrees_with_the_slow_twin(part in parts([1u32..8, 1..6, 1..8], 5..9), rules in rules()) {
         // On the surface only, the slow twin would never end at eps 0.
-        prop_assume!(rules.eps > 0.0);
+        prop_assume!(rules.inside_depth_cells > 0.0);
         let field = peel(&part.cells(), &part.platform, &rules, &go).unwrap();
         let values: Vec<u32> = (0..field.len() as u32).map(|cell| field.value(cell)).collect();
         prop_assert_eq!(values, slow_peel(&part, &rules));
@@ -137,7 +137,7 @@ proptest! {
         let part = Part { dims: [7, 1, rows.len() as u32], rows, platform: Platform::segment(-f64::from(reach), 7.5).unwrap().elevated(-1).unwrap() };
         let cells = part.cells();
         prop_assume!(cells.iter().any(|cell| cell < 7));
-        let rules = Rules { eps, flat: true, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: eps, flat: true, ..Rules::default() };
         let growth = part.grow(&rules, Prevention::None);
         let at = |cell: u32| { let [x, _, z] = centre(cells.position(cell)); [x, z] };
         let mut layers: Vec<Vec<u32>> = vec![cells.iter().filter(|&cell| cell < 7).collect()];
@@ -178,7 +178,7 @@ fn hook() -> Part {
 #[test]
 fn prevention_saves_what_greedy_growth_buries() {
     let part = hook();
-    let rules = Rules { eps: 0.5, ..Rules::default() };
+    let rules = Rules { inside_depth_cells: 0.5, ..Rules::default() };
     let greedy = part.grow(&rules, Prevention::None).missed.len();
     let adaptive = part.grow(&rules, Prevention::Adaptive).missed.len();
     let incremental = part.grow(&rules, Prevention::Incremental).missed.len();
@@ -200,8 +200,8 @@ fn a_part_in_the_air_and_other_bad_input_is_refused() {
     let field = SheetField::new(vec![1; 3]);
     let error = GrowthError::Field { field: 3, cells: 14 * 3 * 12 };
     assert_eq!(grow_with(&cells, &part.platform, Rules::default(), Some(&field)), Err(error));
-    let negative = Rules { eps: -1.0, ..Rules::default() };
-    assert_eq!(grow_with(&cells, &part.platform, negative, None), Err(RulesError::Eps { eps: -1.0 }.into()));
+    let negative = Rules { inside_depth_cells: -1.0, ..Rules::default() };
+    assert_eq!(grow_with(&cells, &part.platform, negative, None), Err(RulesError::InsideDepth { cells: -1.0 }.into()));
     let stop = |_: Progress| ControlFlow::Break(());
     let cancelled = grow(&cells, &part.platform, &Rules::default(), &GrowthOptions::default(), None, &stop);
     assert_eq!(cancelled, Err(GrowthError::Cancelled));
@@ -229,7 +229,8 @@ fn values_of_a_governing_field_may_be_any_number() {
 fn peeling_ends_at_any_depth() {
     let part = hook();
     for eps in [0.0, 0.001, 16.0] {
-        let field = peel(&part.cells(), &part.platform, &Rules { eps, ..Rules::default() }, &go).unwrap();
+        let field =
+            peel(&part.cells(), &part.platform, &Rules { inside_depth_cells: eps, ..Rules::default() }, &go).unwrap();
         assert!(part.cells().iter().all(|cell| field.value(cell) > 0));
     }
 }

@@ -286,7 +286,7 @@ proptest! {
     fn growth_as_printed_agrees_with_the_slow_twin(
         part in some_part(), rules in rules(), adaptive: bool, which in 0u32..3, seed: u64
     ) {
-        let field = some_field(&part, &Rules { eps: rules.eps.max(0.3), ..rules }, which, seed);
+        let field = some_field(&part, &Rules { inside_depth_cells: rules.inside_depth_cells.max(0.3), ..rules }, which, seed);
         let prevention = if adaptive { Prevention::Adaptive } else { Prevention::Incremental };
         let growth = grow_as_printed(&part.cells(), &part.platform, &rules, prevention, &field, &go).unwrap();
         let slow = slow_printed(&part, &rules, prevention, &field);
@@ -300,7 +300,7 @@ proptest! {
     fn incremental_growth_agrees_with_the_slow_twin(
         part in some_part(), rules in rules(), which in 0u32..3, seed: u64
     ) {
-        let field = some_field(&part, &Rules { eps: rules.eps.max(0.3), ..rules }, which, seed);
+        let field = some_field(&part, &Rules { inside_depth_cells: rules.inside_depth_cells.max(0.3), ..rules }, which, seed);
         let options = GrowthOptions { prevention: Prevention::Incremental, ..GrowthOptions::default() };
         let growth = grow(&part.cells(), &part.platform, &rules, &options, Some(&field), &go).unwrap();
         let slow = slow_incremental(&part, &rules, &field);
@@ -314,8 +314,9 @@ proptest! {
 fn a_sheet_without_cells_is_a_step_of_the_threshold() {
     let platform = Platform::polygon(&[[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]]).unwrap();
     let part = Part { dims: [6, 2, 2], rows: vec![49, 14, 59, 35], platform };
-    let rules = Rules { eps: 0.0, eps_is_inside: false, neighbours: Neighbours::OneNorm, flat: false };
-    let field = some_field(&part, &Rules { eps: 0.3, ..rules }, 1, 11_075_432_241_669_120_658);
+    let rules =
+        Rules { inside_depth_cells: 0.0, boundary_is_inside: false, neighbours: Neighbours::OneNorm, flat: false };
+    let field = some_field(&part, &Rules { inside_depth_cells: 0.3, ..rules }, 1, 11_075_432_241_669_120_658);
     // No cell has the value 4; cell 19, of 3, is held back in its own sheet.
     assert!(field.value(19) == 3 && part.cells().iter().all(|cell| field.value(cell) != 4));
     let growth = grow_as_printed(&part.cells(), &part.platform, &rules, Prevention::Incremental, &field, &go).unwrap();
@@ -418,7 +419,7 @@ fn each_strategy_keeps_its_order() {
     let mut changed = Vec::new();
     for ((shape, part), golden) in shapes().iter().zip(GOLDEN) {
         for ((name, strategy), golden) in STRATEGIES.iter().zip(golden) {
-            let (cells, rules) = (part.cells(), Rules { eps: 0.5, ..Rules::default() });
+            let (cells, rules) = (part.cells(), Rules { inside_depth_cells: 0.5, ..Rules::default() });
             let growth = strategy.grow(&cells, &part.platform, &rules, &go).unwrap();
             let report = audit(&cells, &part.platform, &rules, &growth.order, &growth.missed_cells(), &go).unwrap();
             assert!(report.is_ok(), "{shape} {name}: {report}");
@@ -445,7 +446,7 @@ fn what_cannot_be_grown_as_printed_is_refused() {
     let field = field_of(&part, |_| 1);
     assert_eq!(run(&rules, Prevention::FewerThanAll, &field), Err(GrowthError::NotPrinted));
     assert!(matches!(run(&rules, Prevention::None, &SheetField::new(vec![1])), Err(GrowthError::Field { .. })));
-    let deep = Rules { eps: 17.0, ..rules };
+    let deep = Rules { inside_depth_cells: 17.0, ..rules };
     assert!(matches!(run(&deep, Prevention::None, &field), Err(GrowthError::Rules(_))));
     // Without prevention and governor it is Algorithm 1, and any values will do.
     let greedy = Strategy::Greedy.grow(&cells, &part.platform, &rules, &go).unwrap();

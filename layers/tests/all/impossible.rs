@@ -97,7 +97,7 @@ fn most_impossible_cells_of_small_parts_are_proven() {
         if part.standing().is_empty() || part.cells().count() > 11 {
             continue;
         }
-        let rules = Rules { eps: 0.0, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: 0.0, ..Rules::default() };
         impossible += part.cells().count() - possible(&part, &rules).len();
         proven += proofs(&part, &rules).len();
     }

@@ -40,8 +40,12 @@ impl Job {
 
     fn hull(&self, rules: &Rules, built: &[u32]) -> ConvexHull {
         let cells = self.part.cells();
-        let depth =
-            if rules.eps_is_inside { Depth::new(2.0 * rules.eps) } else { Depth::beyond(2.0 * rules.eps) }.unwrap();
+        let depth = if rules.boundary_is_inside {
+            Depth::new(2.0 * rules.inside_depth_cells)
+        } else {
+            Depth::beyond(2.0 * rules.inside_depth_cells)
+        }
+        .unwrap();
         let mut hull = ConvexHull::column(self.part.platform.corners(), 0, depth).unwrap();
         let mould = self.mould();
         let points: Vec<_> =
@@ -106,7 +110,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
     #[test]
     fn greedy_is_the_literal_one(job in jobs(), eps in prop::sample::select(vec![0.5, 1.0, 2.0])) {
-        let rules = Rules { eps, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: eps, ..Rules::default() };
         let known = job.literal_greedy(&rules);
         let found = Grown::Greedy.grow(&job.part.cells(), &job.part.platform, &rules, &go);
         match found {

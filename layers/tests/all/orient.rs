@@ -480,7 +480,7 @@ fn poses_that_cannot_be_judged_are_named() {
     assert_eq!(error, PoseError::Growth { pose: 5, error: GrowthError::NoCell });
     let error = judge(&OrientOptions { platform_diameter_mm: 1e6, ..usual }, &Ok);
     assert!(matches!(error, PoseError::Platform { pose: 0, error: PlatformError::OutOfReach { .. } }));
-    let rules = Rules { eps: -1.0, ..Rules::default() };
+    let rules = Rules { inside_depth_cells: -1.0, ..Rules::default() };
     let error = judge(&OrientOptions { rules, ..usual }, &Ok);
     assert!(matches!(error, PoseError::Growth { pose: 0, error: GrowthError::Rules(_) }));
     assert!(calls.load(Ordering::Relaxed) > 0);

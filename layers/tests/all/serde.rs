@@ -19,14 +19,22 @@ fn comes_back<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
 
 #[test]
 fn options_come_back() {
-    comes_back(&Rules { eps: 0.1 + 0.2, neighbours: Neighbours::OneNorm, flat: true, ..Rules::default() });
+    comes_back(&Rules {
+        inside_depth_cells: 0.1 + 0.2,
+        neighbours: Neighbours::OneNorm,
+        flat: true,
+        ..Rules::default()
+    });
     let (prevention, candidates, visit) = (Prevention::FewerThanAll, Candidates::OfLastLayer, Visit::HighestFirst);
     comes_back(&GrowthOptions { prevention, candidates, visit });
     comes_back(&UnbuildOptions::default());
     for strategy in [Strategy::Unbuild, Strategy::Governed(Prevention::Adaptive)] {
         comes_back(&strategy);
     }
-    assert_eq!(serde_json::from_str::<Rules>(r#"{"eps": 2.0}"#).unwrap(), Rules { eps: 2.0, ..Rules::default() });
+    assert_eq!(
+        serde_json::from_str::<Rules>(r#"{"inside_depth_cells": 2.0}"#).unwrap(),
+        Rules { inside_depth_cells: 2.0, ..Rules::default() }
+    );
     assert!(serde_json::from_str::<Rules>(r#"{"epsilon": 2.0}"#).is_err());
     assert!(serde_json::from_str::<Strategy>(r#""grown""#).is_err());
 }

@@ -89,7 +89,7 @@ fn next_to_nothing_is_missed_of_parts_that_can_be_built_whole() {
     for seed in 0..750 {
         let eps = [0.0, 0.5, 1.0][seed as usize % 3];
         let part = Part { dims: [5, 1, 4], rows: random_rows(seed, 4, 5, 5), platform: platform.clone() };
-        let rules = Rules { eps, ..Rules::default() };
+        let rules = Rules { inside_depth_cells: eps, ..Rules::default() };
         if part.rows[0] != 0 && most_cells(&part, &rules) == part.cells().count() {
             whole += 1;
             with_misses += usize::from(!part.unbuild(&rules).missed.is_empty());
@@ -116,7 +116,7 @@ fn what_hangs_inside_is_given_up() {
         &["########", "########", "##...##.", "##...##.", "##......", "##......", "##......", "##......"],
         [-20.0, 28.0],
     );
-    let rules = Rules { eps: 0.5, ..Rules::default() };
+    let rules = Rules { inside_depth_cells: 0.5, ..Rules::default() };
     let growth = part.unbuild(&rules);
     part.audit(&rules, &growth);
     let missed: Vec<[u32; 3]> = growth.missed.iter().map(|m| part.cells().position(m.cell)).collect();
@@ -136,7 +136,7 @@ fn a_loose_piece_is_told_apart() {
 #[test]
 fn looking_back_finds_the_other_way() {
     let part = Part::drawn(&["#.#####", "##.###.", "##.#..#", "#.....#", "#.#..#."], [0.0, 7.0]);
-    let rules = Rules { eps: 0.5, ..Rules::default() };
+    let rules = Rules { inside_depth_cells: 0.5, ..Rules::default() };
     let run = |look_back| {
         let options = UnbuildOptions { look_back };
         let growth = unbuild(&part.cells(), &part.platform, &rules, &options, &go).unwrap();
@@ -178,8 +178,8 @@ fn what_cannot_be_used_is_refused() {
     let part = Part::drawn(&["##"], [-1.0, 3.0]);
     let options = UnbuildOptions::default();
     let with = |part: &Part, rules: &Rules| unbuild(&part.cells(), &part.platform, rules, &options, &go);
-    let unsound = Rules { eps: -1.0, ..Rules::default() };
-    assert_eq!(with(&part, &unsound), Err(GrowthError::Rules(RulesError::Eps { eps: -1.0 })));
+    let unsound = Rules { inside_depth_cells: -1.0, ..Rules::default() };
+    assert_eq!(with(&part, &unsound), Err(GrowthError::Rules(RulesError::InsideDepth { cells: -1.0 })));
     let rules = Rules::default();
     assert_eq!(with(&Part { rows: vec![0], ..part.clone() }, &rules), Err(GrowthError::NoCell));
     let hanging = Part::drawn(&["##", ".."], [-1.0, 3.0]);

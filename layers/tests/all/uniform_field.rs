@@ -198,11 +198,12 @@ fn what_cannot_be_retimed_is_refused() {
     assert!(matches!(run(&order_of(&[&[0], &[2]]), &[1], &rules), UniformError::Order(_)));
     // A cell that is neither built nor missed.
     assert!(matches!(run(&order_of(&[&[0], &[1]]), &[], &rules), UniformError::Order(_)));
-    let unsound = Rules { eps: -1.0, ..rules };
+    let unsound = Rules { inside_depth_cells: -1.0, ..rules };
     let refused = run(&order_of(&[&[0], &[1], &[2]]), &[], &unsound);
     assert!(matches!(
         refused,
-        UniformError::Growth(GrowthError::Rules(RulesError::Eps { .. })) | UniformError::Growth(GrowthError::Hull(_))
+        UniformError::Growth(GrowthError::Rules(RulesError::InsideDepth { .. }))
+            | UniformError::Growth(GrowthError::Hull(_))
     ));
     let whole = order_of(&[&[0], &[1], &[2]]);
     let stop = |_| ControlFlow::Break(());

@@ -119,7 +119,7 @@ fn strategies_are_the_functions_behind_them() {
     };
     let governed = |prevention| {
         let options = GrowthOptions { prevention, ..GrowthOptions::default() };
-        let field = peel(&cells, platform, &Rules { eps_is_inside: false, ..rules }, &go).unwrap();
+        let field = peel(&cells, platform, &Rules { boundary_is_inside: false, ..rules }, &go).unwrap();
         grow(&cells, platform, &rules, &options, Some(&field), &go).unwrap()
     };
     let printed = |prevention| {

@@ -7,8 +7,9 @@
 use super::frame::{Frames, edge_weights, rotation};
 use super::near::{Layer, vertex_areas, vertex_normals};
 use super::stress::LayerStress;
-use crate::mesh::{SurfaceMesh, SurfacePoint};
-use crate::sparse::{Cholesky, Entries};
+use crate::mesh::SurfaceMesh;
+use crate::mesh::SurfacePoint;
+use crate::sparse::{Entries, Factors};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -378,17 +379,17 @@ fn solve(
     let mut entries = Entries::default();
     for (v, (hold, _)) in holds.iter().enumerate() {
         let alone = mesh.fan(v as u32).next().is_none();
-        entries.add(v, v, Matrix2::identity() * if alone { 1.0 } else { *hold });
+        entries.add_block(v, v, Matrix2::identity() * if alone { 1.0 } else { *hold });
     }
     for h in (0..mesh.half_edges()).filter(|&h| mesh.edge(h) == h) {
         let [from, to] = [mesh.tail(h), mesh.head(h)].map(|v| v as usize);
         let weight = bending * weights[h as usize];
-        entries.add(from, from, Matrix2::identity() * weight);
-        entries.add(to, to, Matrix2::identity() * weight);
-        entries.add(to, from, rotation(2.0 * frames.turn(from, to)) * -weight);
+        entries.add_block(from, from, Matrix2::identity() * weight);
+        entries.add_block(to, to, Matrix2::identity() * weight);
+        entries.add_block(to, from, rotation(2.0 * frames.turn(from, to)) * -weight);
     }
     let mut right: Vec<Vector2<f64>> = holds.iter().map(|hold| hold.1).collect();
-    Cholesky::new(right.len(), &entries)?.solve(&mut right);
+    Factors::new(2 * right.len(), &entries)?.solve_pairs(&mut right);
     Some(right)
 }
 

@@ -24,7 +24,7 @@ use super::lines::{CentreLine, EdgeValue, level_lines};
 use super::near::vertex_areas;
 use crate::Progress;
 use crate::mesh::SurfaceMesh;
-use crate::sparse::{Cholesky, Entries};
+use crate::sparse::{Entries, Factors};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -219,18 +219,18 @@ struct Solver<'a> {
 
 impl Solver<'_> {
     /// The matrix of the energy, with `more` a vertex on its diagonal.
-    fn factors(&self, more: impl Fn(usize) -> f64) -> Result<Cholesky<Matrix2<f64>>, StripeError> {
+    fn factors(&self, more: impl Fn(usize) -> f64) -> Result<Factors, StripeError> {
         let mut entries = Entries::default();
         for v in 0..self.areas.len() {
             let alone = self.mesh.fan(v as u32).next().is_none();
-            entries.add(v, v, Matrix2::identity() * if alone { 1.0 } else { more(v) });
+            entries.add_block(v, v, Matrix2::identity() * if alone { 1.0 } else { more(v) });
         }
         for edge in self.edges {
-            entries.add(edge.from, edge.from, Matrix2::identity() * edge.weight);
-            entries.add(edge.to, edge.to, Matrix2::identity() * edge.weight);
-            entries.add(edge.to, edge.from, seen(edge) * rotation(edge.growth) * -edge.weight);
+            entries.add_block(edge.from, edge.from, Matrix2::identity() * edge.weight);
+            entries.add_block(edge.to, edge.to, Matrix2::identity() * edge.weight);
+            entries.add_block(edge.to, edge.from, seen(edge) * rotation(edge.growth) * -edge.weight);
         }
-        Cholesky::new(self.areas.len(), &entries).ok_or(StripeError::Unsolvable)
+        Factors::new(2 * self.areas.len(), &entries).ok_or(StripeError::Unsolvable)
     }
 
     fn energy(&self, psi: &[Vector2<f64>]) -> f64 {
@@ -260,7 +260,7 @@ impl Solver<'_> {
                 *z *= holds[v];
                 z.x -= pull[v];
             }
-            factors.solve(&mut psi);
+            factors.solve_pairs(&mut psi);
             psi.iter_mut().for_each(|z| *z = z.try_normalize(0.0).unwrap_or_else(Vector2::x));
             let before = std::mem::replace(&mut energy, self.energy(&psi));
             residual = if energy > 0.0 { (before - energy).abs() / energy } else { 0.0 };

@@ -19,7 +19,7 @@ pub struct PathPoint {
     /// The axis of the nozzle, away from the tip.
     pub axis: UnitVector3<f64>,
     /// When the motion is said to pass it, in seconds, if that is known. Then the nozzle is not taken to be beyond it
-    /// earlier: in a spike both legs are equally near.
+    /// earlier: in a spike both sides are equally near.
     pub passed_s: Option<f64>,
 }
 

@@ -131,6 +131,6 @@ pub enum CheckError {
         min: f64,
     },
     /// The progress callback cancelled the check.
-    #[error("the check was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }

@@ -4,7 +4,7 @@ use super::{CheckOptions, PathPoint};
 use nalgebra::{Point3, UnitVector3};
 
 /// Millimetres of distance that a millimetre of progress costs: of two places equally near, the earlier is taken. Large
-/// values make the place lag behind on a parallel line; without it rounding picks the later leg where a path turns back.
+/// values make the place lag behind on a parallel line; without it rounding picks the later segment where a path turns back.
 const PROGRESS_PRICE: f64 = 1e-3;
 
 /// Where the nozzle is farther from the path than the window, the search looks so many windows ahead, so that a long part

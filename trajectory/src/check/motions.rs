@@ -7,8 +7,7 @@ use super::options::CheckOptions;
 use super::report::{Findings, MotionReport, PrintReport};
 use super::scene::PrintScene;
 use super::{limits, samples};
-use crate::{Bounds, Progress};
-use std::ops::ControlFlow;
+use crate::{Bounds, Progress, ProgressFn};
 
 /// Checks a whole print, motion by motion.
 ///
@@ -63,7 +62,7 @@ pub fn check_print<const N: usize>(
     bounds: &Bounds<N>,
     scene: &(impl PrintScene<N> + ?Sized),
     options: &CheckOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<PrintReport<N>, CheckError> {
     options.check()?;
     bounds.check()?;

@@ -22,7 +22,7 @@ pub struct CheckOptions {
     /// Farthest turn of the nozzle's axis between two samples, in radians.
     pub sample_rad: f64,
     /// How far ahead on the path the nearest place is searched, in millimetres; at least `sample_mm`. A longer window
-    /// confuses legs of a path that are nearer to each other than the nozzle is off; a shorter one loses the path where
+    /// confuses segments of a path that are nearer to each other than the nozzle is off; a shorter one loses the path where
     /// corners are cut.
     pub window_mm: f64,
     /// Largest distance of the tip from the path, and from each path point when it is passed, in millimetres.

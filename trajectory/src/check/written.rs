@@ -5,18 +5,18 @@
 use super::report::{FindingClass, MotionReport, PrintReport};
 use super::scene::{Contact, Moment, PrintScene};
 use super::{CheckError, CheckOptions, CheckedMotion, MotionKind, PathPoint, check_motion};
-use crate::print::{LegKind, Moment as Built, Waypoint};
-use crate::{Bounds, Progress, parallel};
+use crate::print::{Moment as Built, SegmentKind, Waypoint};
+use crate::{Bounds, Progress, ProgressFn, parallel};
 use nalgebra::{Isometry3, Point3, UnitVector3};
 use std::convert::Infallible;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 /// A motion as it stands in a file. All motions have one clock.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WrittenMotion<const N: usize> {
     /// What it is for.
-    pub kind: LegKind,
+    pub kind: SegmentKind,
     /// The layer that is printed by then; motions of a layer stand together.
     pub layer: u32,
     /// The path that it follows or leads on from, by its place in the list.
@@ -35,7 +35,7 @@ impl<const N: usize> WrittenMotion<N> {
     /// The waypoints of its path that it prints.
     pub fn printed(&self) -> Option<Range<usize>> {
         match (self.kind, self.waypoints.first(), self.waypoints.last()) {
-            (LegKind::Print, Some(first), Some(last)) => Some(first.0..last.0.saturating_add(1)),
+            (SegmentKind::Print, Some(first), Some(last)) => Some(first.0..last.0.saturating_add(1)),
             _ => None,
         }
     }
@@ -67,7 +67,7 @@ pub trait GrowingPrintScene<const N: usize>: Sync {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FindingPlace {
     /// What the motion is for.
-    pub kind: LegKind,
+    pub kind: SegmentKind,
     /// Its layer.
     pub layer: u32,
     /// Its path.
@@ -121,7 +121,7 @@ pub fn check_written<const N: usize>(
     bounds: &Bounds<N>,
     scene: &mut impl GrowingPrintScene<N>,
     options: &CheckOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<WrittenReport<N>, CheckError> {
     check_waypoints(motions, paths)?;
     let points: Vec<Vec<PathPoint>> = motions.iter().map(|motion| followed(motion, paths, frame_part)).collect();
@@ -189,10 +189,10 @@ fn checked<'a, const N: usize>(
     path: &'a [PathPoint],
 ) -> CheckedMotion<'a, N> {
     let WrittenMotion { kind, times, joints, .. } = &motions[number];
-    let is_print = *kind == LegKind::Print;
+    let is_print = *kind == SegmentKind::Print;
     let before = number.checked_sub(1).map(|before| motions[before].kind);
     // Nothing leads to the first one, and to one behind a transfer that was not found.
-    let apart = is_print && before.is_none_or(|before| before == LegKind::Print);
+    let apart = is_print && before.is_none_or(|before| before == SegmentKind::Print);
     let kind = if is_print { MotionKind::Print } else { MotionKind::Travel };
     CheckedMotion { kind, times, joints, path, printing: None, apart }
 }
@@ -224,19 +224,19 @@ impl<const N: usize, S: GrowingPrintScene<N>> PrintScene<N> for AtLayer<'_, S, N
         let motion = &self.motions[moment.motion];
         let path = motion.path;
         let built = match motion.kind {
-            LegKind::Print => Built::At { path, waypoint: motion.printed()?.start + moment.point },
+            SegmentKind::Print => Built::At { path, waypoint: motion.printed()?.start + moment.point },
             // What it has laid last was shaped by the nozzle itself.
-            LegKind::Lift => {
+            SegmentKind::Lift => {
                 let printed = self.motions[..moment.motion].last().and_then(WrittenMotion::printed);
                 Built::At { path, waypoint: printed?.end - 1 }
             }
-            LegKind::Approach => self.before_approach(moment.motion, path),
-            LegKind::Transfer => return None,
+            SegmentKind::Approach => self.before_approach(moment.motion, path),
+            SegmentKind::Transfer => return None,
         };
         self.scene.contact(built, &Waypoint { position: *tip, axis: *axis })
     }
 
     fn sweep(&self, motion: usize, _: usize, control: &[[f64; N]; 4]) -> Option<String> {
-        self.scene.sweep(self.motions[motion].kind == LegKind::Transfer, control)
+        self.scene.sweep(self.motions[motion].kind == SegmentKind::Transfer, control)
     }
 }

@@ -3,7 +3,7 @@
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), Eq. 4.12: `Gamma(q) < 0` at every waypoint.
 //! Here it is a price, `price * max(Gamma(q) + clear, 0)` at every knot of waypoints, run-in and run-out, and in each
 //! linearised problem a soft row `Gamma(q) + grad Gamma . dq <= -clear`. So a start that collides is no obstacle: the search
-//! pulls it out, as far as the branches and the free parameters let it.
+//! pulls it out within its branches and its free parameters.
 
 use crate::indicator::CollisionIndicator;
 

@@ -63,7 +63,7 @@ impl Merit {
 pub(super) struct Descent<'a, R: ?Sized, const N: usize, const F: usize> {
     pub robot: &'a R,
     pub branches: &'a [u32],
-    pub steep: f64,
+    pub near_singular: f64,
     pub point: Point<N, F>,
     pub merit: Merit,
     pub damping: Vec<f64>,
@@ -84,10 +84,25 @@ pub(super) enum Round<const N: usize, const F: usize> {
 }
 
 impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R, N, F> {
-    pub fn new(robot: &'a R, branches: &'a [u32], steep: f64, point: Point<N, F>, model: &mut Model<'_, N, F>) -> Self {
+    pub fn new(
+        robot: &'a R,
+        branches: &'a [u32],
+        near_singular: f64,
+        point: Point<N, F>,
+        model: &mut Model<'_, N, F>,
+    ) -> Self {
         let merit = Merit::of(model, &point);
         let damping = vec![DAMPING[0]; point.free.len()];
-        Descent { robot, branches, steep, point, merit, damping, history: Vec::new(), least_damping: DAMPING[1] }
+        Descent {
+            robot,
+            branches,
+            near_singular,
+            point,
+            merit,
+            damping,
+            history: Vec::new(),
+            least_damping: DAMPING[1],
+        }
     }
 
     /// Values the point anew, after prices have changed; steps are damped as in the beginning.
@@ -129,7 +144,7 @@ impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R,
                 model.line,
                 self.branches,
                 (&step.waypoints, &step.run),
-                (share, self.steep),
+                (share, self.near_singular),
                 &model.domain,
             );
             match next {

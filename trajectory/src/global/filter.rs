@@ -6,7 +6,7 @@
 //! robot's closed form; the whole path is one problem; and the bounds hold on the spline, everywhere.
 //!
 //! The first pass ([`super::first`]) minimises the integral of the squared jerk within the bounds on position, speed and
-//! acceleration. The second ([`super::peak`]) lowers the greatest jerk to its bound, or as far as it goes, for at most
+//! acceleration. The second ([`super::peak`]) lowers the greatest jerk to its bound, or towards it, for at most
 //! [`GlobalOptions::rise`] more of that integral.
 
 use super::avoid::Avoid;
@@ -17,7 +17,7 @@ use super::motion::{GlobalMotion, GlobalStatus, GlobalStep, MissedReport};
 use super::options::{GlobalError, GlobalOptions, check};
 use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
-use crate::{Bounds, LadderNode, Progress, Quantity, Robot, Timeline, Trajectory};
+use crate::{Bounds, LadderNode, Progress, ProgressFn, Quantity, Robot, Timeline, Trajectory};
 use std::ops::ControlFlow;
 
 /// Smooths a path as a whole.
@@ -72,7 +72,7 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &GlobalOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
     smooth(robot, line, start, bounds, options, None, progress)
 }
@@ -123,7 +123,7 @@ pub fn smooth_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     bounds: &Bounds<N>,
     options: &GlobalOptions,
     avoid: &Avoid<'_, N>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
     if !avoid.clear.is_finite() {
         return Err(GlobalError::Option { what: "clear", value: avoid.clear, must: "finite" });
@@ -141,7 +141,7 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     bounds: &Bounds<N>,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
     let ranges = robot.free();
     check(robot.waypoints(), line, start, bounds, &ranges, options)?;
@@ -154,7 +154,7 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             ControlFlow::Break(()) => Err(GlobalError::Cancelled),
         };
     let mut model = Model::new(line, bounds, ranges, options, avoid, false);
-    let mut descent = Descent::new(robot, branches, options.steep, start, &mut model);
+    let mut descent = Descent::new(robot, branches, options.near_singular, start, &mut model);
     let begin = descent.merit.squared_jerk;
     let first = smooth_first(&mut descent, &mut model, options, avoid, &report)?;
     let mut rounds = [first.rounds, 0];
@@ -181,12 +181,12 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let predicted = |joints: &[f64; N]| avoid.is_some_and(|avoid| avoid.indicator.predicts(joints));
     let report = MissedReport { total: first.missed, lower_bound: first.min_missed.min(first.missed) };
     let misses = violations.iter().any(|violation| violation.quantity != Quantity::Jerk);
-    let is_steep = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.steep);
+    let is_near_singular = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.near_singular);
     Ok(GlobalMotion {
         collisions: (trajectory.at_waypoints().iter().enumerate())
             .filter_map(|(waypoint, joints)| predicted(joints).then_some(waypoint))
             .collect(),
-        steep: (0..point.free.len()).filter(is_steep).collect(),
+        near_singular: (0..point.free.len()).filter(is_near_singular).collect(),
         nodes: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
             .map(|((&joints, &free), &branch)| LadderNode { joints, free, branch })
             .collect(),

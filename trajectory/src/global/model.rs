@@ -32,6 +32,10 @@ const NEAR_ANGLE: f64 = 0.2;
 /// beyond. A row for each makes a solver of inequalities out of one linear system.
 const NEAR_END: f64 = 0.2;
 
+/// Damping of the steps of run-in and run-out: it keeps their blocks positive definite where no row holds them, and is small beside the
+/// squared jerk.
+const RUN_DAMPING: f64 = 1e-6;
+
 /// What is asked of the peak: each jerk at most `height` times its bound; the height costs `price` and is at least 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PeakTerm {
@@ -159,17 +163,32 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
         peak: Option<PeakTerm>,
         options: &QpOptions,
     ) -> Result<Step<N, F>, QpError> {
-        let knots = self.line.knots();
-        let run = self.line.waypoints().start;
-        let end = self.line.waypoints().end;
         self.qp.clear();
         let mut start = vec![0.0; self.qp.variables()];
-        let curvature = |first: &[usize], k: usize, joint: usize| first[k + 1] - N + joint;
+        // The order of costs and rows is that of the solver's sums: it decides the last bits of a solution.
+        self.price_jerk();
+        self.join_curvatures(point, &mut start);
+        self.hold_free_parameters(point, damping);
+        self.damp_run();
+        self.limit(point, peak, &mut start);
+        let solution = self.qp.solve_once(options, Some(&start))?;
+        Ok(self.read(solution, peak.is_some()))
+    }
+
+    /// The unknown that is the acceleration of a joint at a knot: these are the last of each stage.
+    fn curvature(&self, knot: usize, joint: usize) -> usize {
+        self.first[knot + 1] - N + joint
+    }
+
+    /// The cost: the integral of the squared jerk, which is constant on a piece, `(m_k - m_{k-1})^2 / h`. The path rests at both ends,
+    /// where there is no acceleration.
+    fn price_jerk(&mut self) {
+        let knots = self.line.knots();
         for piece in 0..=knots {
             let weight = 2.0 / self.line.step(piece);
             for joint in 0..N {
-                let before = piece.checked_sub(1).map(|k| curvature(&self.first, k, joint));
-                let after = (piece < knots).then(|| curvature(&self.first, piece, joint));
+                let before = piece.checked_sub(1).map(|k| self.curvature(k, joint));
+                let after = (piece < knots).then(|| self.curvature(piece, joint));
                 for at in before.iter().chain(&after) {
                     self.qp.add_quadratic(*at, *at, weight);
                 }
@@ -178,6 +197,12 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 }
             }
         }
+    }
+
+    /// The equations `T m = R q`, which make accelerations those of the spline through the knots. Scaled to 1 on the diagonal, so that rows
+    /// of short and of long pieces weigh alike.
+    fn join_curvatures(&mut self, point: &Point<N, F>, start: &mut [f64]) {
+        let knots = self.line.knots();
         let mut terms = Vec::new();
         for k in 0..knots {
             let row = self.line.row(k);
@@ -187,15 +212,20 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                 let mut right = 0.0;
                 for (side, (&t, &r)) in row.curvatures.iter().zip(&row.angles).enumerate() {
                     let Some(other) = (k + side).checked_sub(1).filter(|&other| other < knots) else { continue };
-                    terms.push((curvature(&self.first, other, joint), scale * t));
+                    terms.push((self.curvature(other, joint), scale * t));
                     // Differences first: angles far from zero keep their digits.
                     right += scale * r * (point.knots[other][joint] - point.knots[k][joint]);
                     self.turn_to_steps(point, other, joint, -scale * r, &mut terms);
                 }
                 self.qp.add_row(&terms, right, right);
-                start[curvature(&self.first, k, joint)] = point.curvatures[k][joint];
+                start[self.curvature(k, joint)] = point.curvatures[k][joint];
             }
         }
+    }
+
+    /// Free parameters: their steps are damped, as columns hold near the point only, and stay in their ranges and in the cone.
+    fn hold_free_parameters(&mut self, point: &Point<N, F>, damping: &[f64]) {
+        let run = self.line.waypoints().start;
         for (waypoint, &damping) in damping.iter().enumerate() {
             let at = self.first[run + waypoint];
             for f in 0..F {
@@ -208,46 +238,56 @@ impl<'a, const N: usize, const F: usize> Model<'a, N, F> {
                     self.qp.add_row(&[(at + f, 1.0)], low, high);
                 }
             }
-            if let Some(cone) = self.domain.cone {
-                let [a, b] = cone.tilts;
-                let (value, norm) = (point.free[waypoint], point.norms[waypoint]);
-                let reach = cone.half_angle * (0.5 * TAU / CONE_SIDES as f64).cos();
-                for side in 0..CONE_SIDES {
-                    let (sin, cos) = (TAU * (side as f64 + 0.5) / CONE_SIDES as f64).sin_cos();
-                    let left = (reach - cos * value[a] - sin * value[b]).max(0.0);
-                    // A tilt that leans the other way does not come so far in a step.
-                    if left > reach {
-                        continue;
-                    }
-                    self.qp.add_row(&[(at + a, cos / norm[a]), (at + b, sin / norm[b])], f64::NEG_INFINITY, left);
-                }
-            }
+            self.hold_in_cone(at, &point.free[waypoint], &point.norms[waypoint]);
         }
-        for k in (0..run).chain(end..knots) {
+    }
+
+    /// The sides of the polygon that stands for the cone of tilts, for the stage that begins at `at`.
+    fn hold_in_cone(&mut self, at: usize, value: &[f64; F], norm: &[f64; F]) {
+        let Some(cone) = self.domain.cone else { return };
+        let [a, b] = cone.tilts;
+        let reach = cone.half_angle * (0.5 * TAU / CONE_SIDES as f64).cos();
+        for side in 0..CONE_SIDES {
+            let (sin, cos) = (TAU * (side as f64 + 0.5) / CONE_SIDES as f64).sin_cos();
+            let left = (reach - cos * value[a] - sin * value[b]).max(0.0);
+            // A tilt that leans the other way does not come so far in a step.
+            if left > reach {
+                continue;
+            }
+            self.qp.add_row(&[(at + a, cos / norm[a]), (at + b, sin / norm[b])], f64::NEG_INFINITY, left);
+        }
+    }
+
+    /// A little damping for the joints of run-in and run-out, which nothing else holds where no row is near: the program stays convex.
+    fn damp_run(&mut self) {
+        let waypoints = self.line.waypoints();
+        for k in (0..waypoints.start).chain(waypoints.end..self.line.knots()) {
             for joint in 0..N {
-                self.qp.add_quadratic(self.first[k] + joint, self.first[k] + joint, 1e-6);
+                self.qp.add_quadratic(self.first[k] + joint, self.first[k] + joint, RUN_DAMPING);
             }
         }
-        self.limit(point, peak, &mut start);
-        let solution = self.qp.solve_once(options, Some(&start))?;
+    }
+
+    /// The steps that a solution stands for.
+    fn read(&self, solution: QpSolution, with_peak: bool) -> Step<N, F> {
+        let (knots, waypoints) = (self.line.knots(), self.line.waypoints());
         let x = &solution.x;
-        let read = |k: usize| std::array::from_fn(|joint| x[self.first[k] + joint]);
-        let waypoints = (run..end).map(|k| std::array::from_fn(|f| x[self.first[k] + f])).collect();
         let mut squared_jerk = 0.0;
         for piece in 0..=knots {
             for joint in 0..N {
-                let before = if piece == 0 { 0.0 } else { x[curvature(&self.first, piece - 1, joint)] };
-                let after = if piece == knots { 0.0 } else { x[curvature(&self.first, piece, joint)] };
+                let before = if piece == 0 { 0.0 } else { x[self.curvature(piece - 1, joint)] };
+                let after = if piece == knots { 0.0 } else { x[self.curvature(piece, joint)] };
                 squared_jerk += (after - before).powi(2) / self.line.step(piece);
             }
         }
-        Ok(Step {
-            waypoints,
-            run: (0..run).chain(end..knots).map(read).collect(),
-            height: if peak.is_some() { x[x.len() - 1] } else { 0.0 },
+        let of_run = |k: usize| std::array::from_fn(|joint| x[self.first[k] + joint]);
+        Step {
+            waypoints: waypoints.clone().map(|k| std::array::from_fn(|f| x[self.first[k] + f])).collect(),
+            run: (0..waypoints.start).chain(waypoints.end..knots).map(of_run).collect(),
+            height: if with_peak { x[x.len() - 1] } else { 0.0 },
             squared_jerk,
             solution,
-        })
+        }
     }
 
     /// Adds `by` times the change of a joint at a knot, in terms of the steps.

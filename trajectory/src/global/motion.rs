@@ -69,7 +69,7 @@ pub struct GlobalMotion<const N: usize, const F: usize> {
     /// Waypoints at which a collision is predicted all the same; none where nothing was to be kept clear of.
     pub collisions: Vec<usize>,
     /// Waypoints that stand near a singularity at the end.
-    pub steep: Vec<usize>,
+    pub near_singular: Vec<usize>,
     /// Rounds of the first and of the second pass.
     pub rounds: [usize; 2],
     /// Each round, of both passes. A pass may begin again at the start, and takes the best that it has seen.

@@ -3,7 +3,7 @@
 use crate::qp::QpError;
 use crate::{Bounds, BoundsError, FreeRange, LadderNode, Timeline, TrajectoryError};
 
-/// Rounds in a row without a step after which nothing more is hoped for.
+/// Rounds in a row without a step after which the search counts as converged.
 pub(super) const MAX_STUCK: usize = 4;
 
 /// Two free parameters that tilt the tool, and how far they may.
@@ -30,7 +30,7 @@ pub struct GlobalOptions {
     pub penalty: f64,
     /// Waypoints where the joints change by more than this, in radians a unit of a free parameter, are near a
     /// singularity: there the step is taken in the joints and projected back. Default 10.
-    pub steep: f64,
+    pub near_singular: f64,
     /// Whether to lower the greatest jerk to its bound in a second pass. Default true.
     pub lower_peak: bool,
     /// By which share the second pass may raise the integral of the squared jerk, and the sum of Eq. 4.10. Default 0.05.
@@ -45,7 +45,7 @@ impl Default for GlobalOptions {
             rounds: 40,
             tolerance: 1e-4,
             penalty: 1e5,
-            steep: 10.0,
+            near_singular: 10.0,
             lower_peak: true,
             rise: 0.05,
             cone: None,
@@ -99,7 +99,7 @@ pub enum GlobalError {
         must: &'static str,
     },
     /// The progress callback cancelled the work.
-    #[error("smoothing was cancelled")]
+    #[error("cancelled")]
     Cancelled,
     /// A linearised problem had a number that is not finite: rates of the robot are out of any scale.
     #[error("invalid linearised problem: {0}")]
@@ -123,11 +123,12 @@ pub(super) fn check<const N: usize, const F: usize>(
         return Err(GlobalError::Count { waypoints, times, nodes: start.len() });
     }
     bounds.check()?;
-    let positive = [("tolerance", options.tolerance), ("penalty", options.penalty), ("steep", options.steep)];
+    let positive =
+        [("tolerance", options.tolerance), ("penalty", options.penalty), ("near_singular", options.near_singular)];
     let cone = options.cone.map_or(1.0, |cone| cone.half_angle);
     for (what, value) in positive.into_iter().chain([("rise", options.rise), ("half_angle", cone)]) {
-        if value.is_nan() || value <= 0.0 || (what != "steep" && value.is_infinite()) {
-            let must = if what == "steep" { "above 0" } else { "finite and above 0" };
+        if value.is_nan() || value <= 0.0 || (what != "near_singular" && value.is_infinite()) {
+            let must = if what == "near_singular" { "above 0" } else { "finite and above 0" };
             return Err(GlobalError::Option { what, value, must });
         }
     }

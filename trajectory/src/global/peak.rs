@@ -1,7 +1,7 @@
 //! The second pass: a lower greatest jerk for little more squared jerk.
 //!
 //! What is minimised is `J + w t`, where `J` is the integral of the squared jerk and `t >= 1` the greatest jerk over
-//! its bound. The price `w` is raised until `J` has risen as far as it may, or the bound is met. With `J + w t >= D` for
+//! its bound. The price `w` is raised until `J` has risen to its limit, or the bound is met. With `J + w t >= D` for
 //! all points of a linearised problem (its dual value), a point with `J <= J_max` has `t >= (D - J_max) / w`: that is
 //! the lower bound reported.
 //!

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Column norms of `dq/dfree` below this count as this: parameters that hardly move the joints take no giant steps.
 const MIN_RATE: f64 = 1e-2;
 
-/// Newton steps with which a steep waypoint is projected back onto what the robot can do.
+/// Newton steps with which a near_singular waypoint is projected back onto what the robot can do.
 const PROJECTIONS: usize = 12;
 
 /// Where free parameters may be.
@@ -136,7 +136,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
 
     /// The point a share of a step on. `steps` are in units of joints: parameter `f` moves by `steps[f] / norms[f]`.
     ///
-    /// Where `dq/dfree` is longer than `steep`, the straight line is followed in the joints and then projected back:
+    /// Where `dq/dfree` is longer than `near_singular`, the straight line is followed in the joints and then projected back:
     /// the parameters are those at which the joints come nearest to it on the same branch.
     pub fn moved<R: Robot<N, F> + ?Sized>(
         &self,
@@ -144,7 +144,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         line: &Timeline,
         branches: &[u32],
         (steps, run_steps): (&[[f64; F]], &[[f64; N]]),
-        (share, steep): (f64, f64),
+        (share, near_singular): (f64, f64),
         domain: &Domain<F>,
     ) -> Result<Self, Unreachable> {
         let range = line.waypoints();
@@ -152,18 +152,18 @@ impl<const N: usize, const F: usize> Point<N, F> {
         for (waypoint, step) in steps.iter().enumerate() {
             let before = &self.knots[range.start + waypoint];
             let mut aim = *before;
-            let mut is_steep = false;
+            let mut is_near_singular = false;
             for (f, by) in step.iter().enumerate() {
                 let by = share * by;
                 next.free[waypoint][f] += by / self.norms[waypoint][f];
-                is_steep |= self.norms[waypoint][f] > steep;
+                is_near_singular |= self.norms[waypoint][f] > near_singular;
                 for (aim, column) in aim.iter_mut().zip(&self.columns[waypoint][f]) {
                     *aim += by * column;
                 }
             }
             next.free[waypoint] = domain.nearest(next.free[waypoint]);
             let placed = next.place(robot, branches, range.start, waypoint, Some(aim));
-            if is_steep {
+            if is_near_singular {
                 self.project(&mut next, robot, branches, (range.start, waypoint), &aim, domain);
             } else if placed.is_none() {
                 return Err(Unreachable(waypoint));
@@ -194,7 +194,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         Point::start(robot, line, branches, &nodes, bounds).ok()
     }
 
-    /// Brings a steep waypoint of `next` as near to `aim` as its branch allows, by Gauss-Newton with halved steps from
+    /// Brings a near_singular waypoint of `next` as near to `aim` as its branch allows, by Gauss-Newton with halved steps from
     /// where it was. It never ends farther from the aim than it began.
     fn project<R: Robot<N, F> + ?Sized>(
         &self,

@@ -1,3 +1,5 @@
+//! For reproducing the learned indicator of C. Dai's dissertation (section 4.4); prints use that of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! The contact space: postures in which the tool's tip is on the working surface.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.4.2: `dist(f(q), S)` is

@@ -1,3 +1,5 @@
+//! For reproducing the learned indicator of C. Dai's dissertation (section 4.4); prints use that of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! Indicators of features of a posture, instead of its joints.
 //!
 //! The kernel of Eq. 4.14 (C. Dai, *Material Deposition in 3D Space*, dissertation, TU Delft 2020) is as wide in every
@@ -87,7 +89,7 @@ where
 /// Cosine and sine of each joint, then the gap `g` between tip and working surface as `height * g / sqrt(g^2 + near^2)`:
 /// `2 N + 1` features.
 ///
-/// Far from the surface the last one hardly changes any more, so that a layer below is told from what is deeper without
+/// Far from the surface the last one hardly changes any more, so that a layer below differs from what is deeper without
 /// kernels that are all alone.
 #[derive(Clone, Copy, Debug)]
 pub struct TurnsAndGap<S> {

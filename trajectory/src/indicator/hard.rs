@@ -1,3 +1,5 @@
+//! For reproducing the learned indicator of C. Dai's dissertation (section 4.4); prints use that of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! Training samples that the machine itself asks for: those which it gets wrong.
 //!
 //! Instead of Algorithm 7 of C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), which looks for the

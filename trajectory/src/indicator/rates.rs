@@ -1,3 +1,5 @@
+//! For reproducing the learned indicator of C. Dai's dissertation (section 4.4); prints use that of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! How often an indicator is right, both ways.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.5.1. Its `TNR = TN / (TN + FP)`

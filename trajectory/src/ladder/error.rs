@@ -75,6 +75,6 @@ pub enum LadderError {
         max: usize,
     },
     /// The progress callback cancelled the work.
-    #[error("the search for a path was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }

@@ -6,9 +6,8 @@ use super::options::LadderOptions;
 use super::search::{Path, Search, Stuck, Windows};
 use crate::angle::wrapped;
 use crate::robot::Robot;
-use crate::{Bounds, Progress};
+use crate::{Bounds, ProgressFn};
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 
 /// What stays while samples are doubled.
 pub(super) struct Plan<'a, const N: usize, const F: usize, R: ?Sized> {
@@ -16,7 +15,7 @@ pub(super) struct Plan<'a, const N: usize, const F: usize, R: ?Sized> {
     pub(super) times: &'a [f64],
     pub(super) bounds: &'a Bounds<N>,
     pub(super) options: &'a LadderOptions<N, F>,
-    pub(super) progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    pub(super) progress: ProgressFn<'a>,
 }
 
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Plan<'_, N, F, R> {

@@ -7,8 +7,7 @@ use super::options::{LadderOptions, LadderSearch, MAX_SAMPLES, check, count};
 use super::paths::Plan;
 use super::search::{Path, Stuck};
 use crate::robot::Robot;
-use crate::{Bounds, Progress};
-use std::ops::ControlFlow;
+use crate::{Bounds, ProgressFn};
 
 /// From coarse to fine: up to so many samples a waypoint, all of them are searched where no path is found. That takes
 /// some ten seconds for 2,500 waypoints of six or eight joints.
@@ -52,7 +51,7 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     times: &[f64],
     bounds: &Bounds<N>,
     options: &LadderOptions<N, F>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Ladder<N, F>, LadderError> {
     check(robot.waypoints(), times, bounds, options)?;
     let plan = Plan { robot, times, bounds, options, progress };

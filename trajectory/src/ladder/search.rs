@@ -8,10 +8,10 @@ use super::buckets::{Buckets, Measure, best_pair};
 use super::error::LadderError;
 use super::node::{LadderNode, runs};
 use super::nodes::{Kind, Nodes, Window, each_image};
-use crate::Progress;
 use crate::robot::Robot;
+use crate::{Progress, ProgressFn};
 use std::collections::VecDeque;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 /// A waypoint may have this many nodes; more is a mistake in the options.
 pub(super) const MAX_NODES: usize = 1 << 22;
@@ -71,7 +71,7 @@ pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
     pub breaks: bool,
     /// Where the joints are before the first waypoint; the way there counts.
     pub from: Option<[f64; N]>,
-    pub progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    pub progress: ProgressFn<'a>,
 }
 
 /// A path through all waypoints.
@@ -91,7 +91,7 @@ impl<const N: usize, const F: usize> Path<N, F> {
     }
 }
 
-/// Why there is none.
+/// Why there is no path.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Stuck {
     /// No solution at the waypoint.

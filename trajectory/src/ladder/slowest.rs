@@ -7,7 +7,7 @@
 //! are apart, so the bottleneck path over cells is a lower bound; over the middles of cells it is what can be had. Cells through
 //! which no chain is below what can be had are dropped, the others halved, until the two meet.
 //!
-//! A box holds both ends of its cell and the bow between them, as far as the derivatives at the ends predict it, taken twice
+//! A box holds both ends of its cell and the bow between them that the derivatives at the ends predict, taken twice
 //! ([`SAFETY`]). That is no proof: a robot is a closure, of which nothing is known between the places where it is
 //! asked, and there is no interval arithmetic. What bends sharply between two ends that look smooth can be outside its
 //! box. Finer cells make that less likely. Where a branch ends within a cell, or turns too fast for that, the cell counts as near
@@ -18,9 +18,9 @@ use super::nodes::Kind;
 use super::options::{LadderOptions, check};
 use crate::angle::wrapped;
 use crate::robot::{FreeRange, Robot};
-use crate::{Bounds, Progress};
+use crate::{Bounds, Progress, ProgressFn};
 use std::f64::consts::PI;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 /// Cells of the whole range to begin with.
 const FIRST: u32 = 64;
@@ -115,7 +115,7 @@ pub fn min_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
     bounds: &Bounds<N>,
     waypoints: Range<usize>,
     samples: u32,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<MinSpeed, LadderError> {
     check(robot.waypoints(), times, bounds, &LadderOptions { samples: [samples], ..LadderOptions::default() })?;
     if waypoints.end > times.len() || waypoints.is_empty() {

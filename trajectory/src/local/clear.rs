@@ -1,7 +1,7 @@
 //! The rows of Eq. 4.12 that keep a window clear of collisions: `Gamma(q) < 0` at its waypoints.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.2. In each quadratic program a row
-//! `Gamma(q) + grad Gamma . dq <= -clear`; a step counts only as far as the indicator itself says the same.
+//! `Gamma(q) + grad Gamma . dq <= -clear`; a step is accepted only if the indicator itself confirms it.
 
 use super::clearances::ClearOf;
 use super::error::FilterError;
@@ -9,8 +9,7 @@ use super::filter::filter;
 use super::options::{FilterOptions, Filtered};
 use crate::ladder::LadderNode;
 use crate::robot::Robot;
-use crate::{Bounds, Progress};
-use std::ops::ControlFlow;
+use crate::{Bounds, ProgressFn};
 
 /// Algorithm 6 with all rows of Eq. 4.12: as [`filter_locally`](super::filter_locally), but where the indicator is below
 /// `-clear` it stays there, and where it is above it does not rise.
@@ -56,7 +55,7 @@ pub fn filter_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     bounds: &Bounds<N>,
     clear: &ClearOf<'_, N>,
     options: &FilterOptions<N>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Filtered<N, F>, FilterError> {
     if !clear.clear.is_finite() {
         return Err(FilterError::Clear(clear.clear));

@@ -57,6 +57,6 @@ pub enum FilterError {
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// The progress callback cancelled the work.
-    #[error("filtering was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }

@@ -9,8 +9,7 @@ use crate::jerk::stencil;
 use crate::ladder::LadderNode;
 use crate::path::MIN_WAYPOINTS;
 use crate::robot::Robot;
-use crate::{Bounds, Progress};
-use std::ops::ControlFlow;
+use crate::{Bounds, Progress, ProgressFn};
 
 /// Joints of a start may differ from the robot's own by this many radians and whole turns.
 const SAME: f64 = 1e-6;
@@ -57,7 +56,7 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,
     options: &FilterOptions<N>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Filtered<N, F>, FilterError> {
     filter(robot, times, start, (bounds, None), options, progress)
 }
@@ -69,7 +68,7 @@ pub(super) fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     start: &[LadderNode<N, F>],
     (bounds, clear): (&Bounds<N>, Option<ClearOf<'_, N>>),
     options: &FilterOptions<N>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Filtered<N, F>, FilterError> {
     let mut motion = check(robot, times, start, bounds, options)?;
     let stencils = times.array_windows::<5>().map(stencil).collect();

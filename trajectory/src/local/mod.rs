@@ -1,3 +1,5 @@
+//! For reproducing Algorithm 6 of C. Dai's dissertation; prints use [`smooth_clear_of`](crate::smooth_clear_of).
+//!
 //! The local filter: windows around the worst jerk, one after the other.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.2, Algorithm 6 and Eq. 4.12. The

@@ -4,17 +4,17 @@
 //! goes to a place above its first run and comes down to it; behind its last run the nozzle lifts off and goes home. Both ways are
 //! transfers ([`crate::transfer`]) with the layer of the run there, as the independent check has it.
 
-use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions};
 use super::plan::{Arrival, Departure, Fault, FaultKind, PrintPlan, Run, Travel};
 use super::postures::samples_of;
+use super::run_plan::Task;
 use super::travel::{arrive, depart, has_way, lifted};
 use super::workcell::{Moment, PrintRobot, PrintWorkcell, Waypoint};
-use crate::Progress;
 use crate::vectors::square;
+use crate::{Progress, ProgressFn};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 /// Heights of a home posture above the part, in millimetres, the one wanted most first.
 const ABOVE_MM: [f64; 6] = [100.0, 70.0, 50.0, 30.0, 15.0, 8.0];
@@ -46,7 +46,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         mut workcell: impl PrintWorkcell<N>,
         limits: &PrintLimits<N>,
         options: &PrintOptions<N, F>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<Option<[f64; N]>, PrintError> {
         for layer in self.layers.iter().map(|layer| layer.layer) {
             let refused = |what| PrintError::Workcell { layer, what };
@@ -140,7 +140,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         cuts: &BTreeSet<usize>,
         limits: &PrintLimits<N>,
         options: &PrintOptions<N, F>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<Self, PrintError> {
         let total = self.runs.len() as u64;
         let mut plan = PrintPlan { runs: Vec::new(), travels: Vec::new(), homes: Vec::new(), ..self.clone() };

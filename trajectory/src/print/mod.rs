@@ -19,23 +19,23 @@
 //!       -> travels  (lift, transfer, approach)
 //! ```
 
-mod course;
 mod home;
-mod legs;
 mod options;
 mod plan;
 mod planner;
 mod postures;
 mod run;
+mod run_plan;
+mod segments;
 mod steered;
 mod travel;
 mod ways;
 mod workcell;
 
-pub use course::path_deviations;
-pub use legs::{Leg, LegKind};
 pub use options::{PrintError, PrintLimits, PrintOptions, PrintPath, TipSpeed};
 pub use plan::{Arrival, Departure, Fault, FaultKind, LayerPlan, PlanTimes, PrintPlan, Run, Travel};
 pub use planner::{PrintPlanner, plan_print};
+pub use run_plan::path_deviations;
+pub use segments::{Segment, SegmentKind};
 pub use steered::Steered;
 pub use workcell::{Clearance, Moment, OnPath, OpenWorkcell, PrintRobot, PrintRobotFn, PrintWorkcell, Waypoint};

@@ -240,7 +240,7 @@ pub enum PrintError {
         error: TimePathError,
     },
     /// The progress callback cancelled the work. [`PrintPlanner`](super::PrintPlanner) goes on where it was.
-    #[error("planning was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 

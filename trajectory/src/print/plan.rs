@@ -149,7 +149,7 @@ pub enum FaultKind {
     /// The path breaks off before the waypoint: no posture leads on from the one before.
     Break,
     /// The nozzle leaves the straight way from the waypoint to the next by more than the tolerance.
-    Astray,
+    PathDeviation,
     /// No way to the next run was found.
     NoTransfer,
 }
@@ -161,7 +161,7 @@ impl FaultKind {
             FaultKind::Unreachable => "unreachable",
             FaultKind::Blocked => "blocked",
             FaultKind::Break => "break",
-            FaultKind::Astray => "astray",
+            FaultKind::PathDeviation => "astray",
             FaultKind::NoTransfer => "no transfer",
         }
     }

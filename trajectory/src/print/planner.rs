@@ -1,16 +1,16 @@
 //! The whole print, layer after layer: postures one path after the other, while the layers before are smoothed side by side.
 
-use super::course::Task;
 use super::options::{PrintError, PrintLimits, PrintOptions, PrintPath, check};
 use super::plan::{Fault, FaultKind, LayerPlan, PrintPlan, Run};
 use super::postures::{Before, Chosen, choose, prepare};
 use super::run::{Planned, smoothed};
+use super::run_plan::Task;
 use super::ways::{Found, Ways};
 use super::workcell::{PrintRobot, PrintWorkcell};
-use crate::Progress;
 use crate::parallel;
+use crate::{Progress, ProgressFn};
 use std::collections::VecDeque;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -87,7 +87,7 @@ pub fn plan_print<const N: usize, const F: usize>(
     paths: &[PrintPath<'_>],
     limits: &PrintLimits<N>,
     options: &PrintOptions<N, F>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<PrintPlan<N, F>, PrintError> {
     let mut planner = PrintPlanner::new(robot, workcell, paths, limits, options)?;
     planner.run(progress)?;
@@ -101,7 +101,7 @@ pub struct PrintPlanner<'a, const N: usize, const F: usize, R, C> {
     paths: &'a [PrintPath<'a>],
     limits: PrintLimits<N>,
     options: PrintOptions<N, F>,
-    /// As far as postures are chosen: the workcell, where the arm is, and the next path.
+    /// Where the choice of postures has come to: the workcell, where the arm is, and the next path.
     workcell: C,
     before: Option<Before<N>>,
     next: usize,
@@ -168,7 +168,7 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N
     ///
     /// # Errors
     /// As of [`plan_print`]. After [`PrintError::Cancelled`] it can be called again.
-    pub fn run(&mut self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<(), PrintError> {
+    pub fn run(&mut self, progress: ProgressFn<'_>) -> Result<(), PrintError> {
         let cancelled = AtomicBool::new(false);
         let mut result = Ok(());
         while result.is_ok() && (self.next < self.paths.len() || !self.ready.is_empty()) {

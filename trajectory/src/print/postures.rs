@@ -4,9 +4,9 @@
 //! there: so most transfers are short and straight. And it takes postures with clearance, where a waypoint has some, so that
 //! the smooth motion may sway and the nozzle can lift off.
 
-use super::course::Task;
 use super::options::{PrintError, PrintPath};
 use super::plan::{Fault, FaultKind};
+use super::run_plan::Task;
 use super::workcell::{Clearance, OnPath, PrintRobot, PrintWorkcell, Waypoint};
 use crate::robot::{FreeRange, Posture, Robot};
 use crate::{Bounds, Ladder, LadderError, LadderOptions, plan_ladder};
@@ -50,7 +50,7 @@ impl<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>> R
     }
 }
 
-/// A path before it is planned: its waypoints, as far as they are in reach.
+/// A path before it is planned: its waypoints that are in reach.
 #[derive(Clone)]
 pub(super) struct Prepared {
     pub path: usize,

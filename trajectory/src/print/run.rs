@@ -4,10 +4,10 @@
 //! The postures come from the motion of least jerk at the planned feed (`smooth_clear_of`), the timing from `time_path`:
 //! as fast as limits of speed, acceleration and jerk allow, nowhere faster than planned.
 
-use super::course::{Course, Task, Timed, path_deviations};
 use super::options::{PrintError, PrintPath};
 use super::plan::{Fault, FaultKind, Run};
 use super::postures::{Chosen, Prepared, Section};
+use super::run_plan::{RunPlan, Task, Timed, path_deviations};
 use super::workcell::{OnPath, PrintRobot, PrintWorkcell, Waypoint};
 use crate::{Avoid, Bounds, GlobalOptions, LadderNode, MIN_WAYPOINTS, RunIn, Timeline, smooth_clear_of};
 use std::time::{Duration, Instant};
@@ -64,33 +64,33 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
             waypoint,
             what: what.to_owned(),
         };
-        let mut courses: Vec<(Course<N, F>, bool)> = Vec::new();
+        let mut run_plans: Vec<(RunPlan<N, F>, bool)> = Vec::new();
         for run in ladder.runs() {
-            let mut course = Course {
+            let mut run_plan = RunPlan {
                 waypoints: waypoints[run.clone()].to_vec(),
                 times: times[run.clone()].to_vec(),
                 nodes: ladder.nodes[run.clone()].to_vec(),
                 path: *path,
                 of: run.map(of_path).collect(),
             };
-            let is_joined = match courses.last_mut() {
-                Some((before, _)) => Course::meet(before, &mut course, task, workcell),
+            let is_joined = match run_plans.last_mut() {
+                Some((before, _)) => RunPlan::meet(before, &mut run_plan, task, workcell),
                 None => true,
             };
-            courses.push((course, is_joined));
+            run_plans.push((run_plan, is_joined));
         }
-        for (course, is_joined) in courses {
-            let is_alone = course.times.len() < 2;
+        for (run_plan, is_joined) in run_plans {
+            let is_alone = run_plan.times.len() < 2;
             if is_alone || !is_joined {
                 let what = if is_alone { "a waypoint on its own" } else { "" };
-                planned.faults.push(fault(FaultKind::Break, course.of[0], what));
+                planned.faults.push(fault(FaultKind::Break, run_plan.of[0], what));
             }
             if is_alone {
                 continue;
             }
-            let [began, ends] = [course.times[0], course.times[course.times.len() - 1]];
+            let [began, ends] = [run_plan.times[0], run_plan.times[run_plan.times.len() - 1]];
             planned.planned_s += ends - began;
-            let (course, motion) = on_course(course, of_print, task, workcell)?;
+            let (run_plan, motion) = planned_motion(run_plan, of_print, task, workcell)?;
             planned.min_pace = planned.min_pace.min(motion.min_pace);
             planned.slow_runs += usize::from(!motion.is_fastest);
             let missed = |(waypoint, node): (&Waypoint, &LadderNode<N, F>)| {
@@ -98,16 +98,16 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
                 nozzle.map_or(f64::INFINITY, |nozzle| (nozzle.translation.vector - waypoint.position.coords).norm())
             };
             planned.missed_mm =
-                course.waypoints.iter().zip(&course.nodes).map(missed).fold(planned.missed_mm, f64::max);
-            let off = path_deviations(task.robot, &course.waypoints, &motion.trajectory, &motion.times(), 0.0);
+                run_plan.waypoints.iter().zip(&run_plan.nodes).map(missed).fold(planned.missed_mm, f64::max);
+            let off = path_deviations(task.robot, &run_plan.waypoints, &motion.trajectory, &motion.times(), 0.0);
             planned.deviation_mm = off.into_iter().fold(planned.deviation_mm, f64::max);
-            planned.faults.extend(course.astray(&motion, task).into_iter().map(|(step, mm)| {
-                fault(FaultKind::Astray, course.of[step], &format!("{mm:.2} mm off the way to the next"))
+            planned.faults.extend(run_plan.deviating(&motion, task).into_iter().map(|(step, mm)| {
+                fault(FaultKind::PathDeviation, run_plan.of[step], &format!("{mm:.2} mm off the way to the next"))
             }));
-            let end = |k: usize| (course.nodes[k].free, course.waypoints[k]);
-            let ends = [end(0), end(course.nodes.len() - 1)];
-            let is_given = |k: usize| k == 0 || course.of[k] != course.of[k - 1];
-            let pass = |(k, &knot)| (knot, is_given(k).then(|| course.of[k]));
+            let end = |k: usize| (run_plan.nodes[k].free, run_plan.waypoints[k]);
+            let ends = [end(0), end(run_plan.nodes.len() - 1)];
+            let is_given = |k: usize| k == 0 || run_plan.of[k] != run_plan.of[k - 1];
+            let pass = |(k, &knot)| (knot, is_given(k).then(|| run_plan.of[k]));
             let passes = motion.knots.iter().enumerate().map(pass).collect();
             let laid = |time: &f64| of_print.filament(*time) - of_print.filament(began);
             let filament_mm = motion.planned.iter().map(laid).collect();
@@ -121,71 +121,72 @@ pub(super) fn smoothed<const N: usize, const F: usize, R: PrintRobot<N, F>>(
 
 /// A motion along a run that touches nothing and stays on its way, with as many waypoints as that takes: the smooth one, else
 /// the one through the postures of the ladder; of two with faults the one with fewer.
-fn on_course<const N: usize, const F: usize, R: PrintRobot<N, F>>(
-    course: Course<N, F>,
+fn planned_motion<const N: usize, const F: usize, R: PrintRobot<N, F>>(
+    run_plan: RunPlan<N, F>,
     path: &PrintPath<'_>,
     task: &Task<'_, N, F, R>,
     workcell: &impl PrintWorkcell<N>,
-) -> Result<(Course<N, F>, Timed<N>), PrintError> {
-    let smooth = smooth(&course, task, workcell)?.map(|nodes| Course { nodes, ..course.clone() });
-    let Some(first) = smooth else { return split(course, path, task, workcell) };
-    let looked = |course| -> Result<([usize; 4], _, _), PrintError> {
-        let (course, motion) = split(course, path, task, workcell)?;
+) -> Result<(RunPlan<N, F>, Timed<N>), PrintError> {
+    let smooth = smooth(&run_plan, task, workcell)?.map(|nodes| RunPlan { nodes, ..run_plan.clone() });
+    let Some(first) = smooth else { return split(run_plan, path, task, workcell) };
+    let looked = |run_plan| -> Result<([usize; 4], _, _), PrintError> {
+        let (run_plan, motion) = split(run_plan, path, task, workcell)?;
         let touches = |piece: &usize| workcell.touches(&motion.trajectory.control(*piece)).is_some();
         let faults = [
-            course.beyond(&motion, &task.limits.bounds).len(),
+            run_plan.beyond(&motion, &task.limits.bounds).len(),
             (0..motion.trajectory.times().len() - 1).filter(touches).count(),
-            course.astray(&motion, task).len(),
-            course.gouging(&motion, task.robot, workcell).len(),
+            run_plan.deviating(&motion, task).len(),
+            run_plan.gouging(&motion, task.robot, workcell).len(),
         ];
-        Ok((faults, course, motion))
+        Ok((faults, run_plan, motion))
     };
     let mut best = looked(first)?;
     if best.0 != [0; 4] {
-        let other = looked(course)?;
+        let other = looked(run_plan)?;
         if other.0 < best.0 {
             best = other;
         }
     }
-    let (_, course, motion) = best;
-    Ok((course, motion))
+    let (_, run_plan, motion) = best;
+    Ok((run_plan, motion))
 }
 
-/// The motion along a course, with the steps split on which it leaves the way.
+/// The motion along a run plan, with the steps split on which it leaves the way.
 fn split<const N: usize, const F: usize, R: PrintRobot<N, F>>(
-    mut course: Course<N, F>,
+    mut run_plan: RunPlan<N, F>,
     path: &PrintPath<'_>,
     task: &Task<'_, N, F, R>,
     workcell: &impl PrintWorkcell<N>,
-) -> Result<(Course<N, F>, Timed<N>), PrintError> {
-    let mut motion = course.timed(path, task)?;
+) -> Result<(RunPlan<N, F>, Timed<N>), PrintError> {
+    let mut motion = run_plan.timed(path, task)?;
     for _ in 0..MAX_SPLIT {
-        let Some(split) = course.split(&motion, task, workcell) else { break };
+        let Some(split) = run_plan.split(&motion, task, workcell) else { break };
         motion = split.timed(path, task)?;
-        course = split;
+        run_plan = split;
     }
-    Ok((course, motion))
+    Ok((run_plan, motion))
 }
 
 /// Postures with which the motion at the planned feed has the least jerk and keeps clear; `None` where there are too few
 /// waypoints for a filter, or it fails.
 fn smooth<const N: usize, const F: usize, R: PrintRobot<N, F>>(
-    course: &Course<N, F>,
+    run_plan: &RunPlan<N, F>,
     task: &Task<'_, N, F, R>,
     workcell: &impl PrintWorkcell<N>,
 ) -> Result<Option<Vec<LadderNode<N, F>>>, PrintError> {
-    if course.nodes.len() < MIN_WAYPOINTS || task.options.smoothing_rounds == 0 {
+    if run_plan.nodes.len() < MIN_WAYPOINTS || task.options.smoothing_rounds == 0 {
         return Ok(None);
     }
     let run = RunIn { spacing: RUN_SPACING, ..RunIn::default() };
-    let line = Timeline::new(&course.times, run).map_err(|error| PrintError::Timeline { path: course.path, error })?;
+    let line =
+        Timeline::new(&run_plan.times, run).map_err(|error| PrintError::Timeline { path: run_plan.path, error })?;
     let options =
         GlobalOptions { lower_peak: false, rounds: task.options.smoothing_rounds, ..GlobalOptions::default() };
     let avoid = Avoid { indicator: workcell, clear: task.options.clear, price: task.options.price };
     // Accelerations and jerks are kept by the timing.
     let bounds = Bounds { acceleration: [f64::INFINITY; N], jerk: [f64::INFINITY; N], ..task.inside() };
-    let on_path = OnPath { robot: task.robot, waypoints: &course.waypoints };
-    let found = smooth_clear_of(&on_path, &line, &course.nodes, &bounds, &options, &avoid, &|_| task.flow());
+    let on_path = OnPath { robot: task.robot, waypoints: &run_plan.waypoints };
+    let found = smooth_clear_of(&on_path, &line, &run_plan.nodes, &bounds, &options, &avoid, &|_| task.flow());
     if (task.stopped)() {
         return Err(PrintError::Cancelled);
     }

@@ -5,9 +5,9 @@
 //! lifting off gouges nothing that the end of the path did not. Only where links of the arm are in the way another
 //! direction is tried; then the nozzle is looked at on all of it.
 
-use super::course::Task;
 use super::options::TipSpeed;
 use super::plan::{Arrival, Departure, Run, Travel};
+use super::run_plan::Task;
 use super::workcell::{Moment, PrintRobot, PrintWorkcell, Waypoint};
 use crate::transfer::{Transfer, TransferError, TransferOptions, plan_transfer};
 use crate::{Bounds, TimePathOptions, Trajectory, time_path};
@@ -143,7 +143,7 @@ pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     Ok(Departure { lift: timed(&up, &task.limits.bounds, &task.options.timing)?, way })
 }
 
-/// Where the nozzle has lifted off the end of a run, as far as it can; `None` where it cannot.
+/// Where the nozzle is after the longest free lift off the end of a run; `None` where no lift is free.
 pub(super) fn lifted<const N: usize, const F: usize, R: PrintRobot<N, F>>(
     run: &Run<N, F>,
     task: &Task<'_, N, F, R>,

@@ -4,11 +4,11 @@
 //! and the part. Then the path behind the gap gets the postures of another branch, or the one before it, if that
 //! leaves fewer gaps and no more faults; a few paths in a row do, where the next one goes on where it began.
 
-use super::course::Task;
 use super::options::{PrintError, PrintPath};
 use super::plan::{Run, Travel};
 use super::postures::{Chosen, others};
 use super::run::{Planned, smoothed};
+use super::run_plan::Task;
 use super::travel::{Search, travel};
 use super::workcell::{PrintRobot, PrintWorkcell};
 use crate::parallel;

@@ -152,7 +152,7 @@ pub enum Moment {
     },
 }
 
-/// The workcell with the part as far as it is built: what touches, and what gouges.
+/// The workcell with the layers that are built so far: what touches, and what gouges.
 ///
 /// It has two states: *printing*, in which the nozzle may touch the part and the plate (how deep is asked by
 /// [`PrintWorkcell::is_gouging`]), and *moving*, in which nothing may touch anything. The indicator

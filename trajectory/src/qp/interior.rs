@@ -133,7 +133,7 @@ impl<'a> Interior<'a> {
                 let least = (0.1 * options.tolerance * scale_value / count as f64).min(mean);
                 let kept = (after / mean).powi(3).min(1.0);
                 let centre = (kept * mean).max(least);
-                // The products of the predictor's steps, as far as these can be gone.
+                // The products at the end of the predictor's feasible step.
                 self.aim(|bend| (centre - reach * reach * bend).max(0.0).min(MAX_CENTRALITY_RATIO * mean));
                 (dx, dl) = self.direction(&residuals, 1.0 - kept, REFINEMENT_TOLERANCE);
                 let reach = self.reach();

@@ -286,26 +286,56 @@ pub(super) fn run<const N: usize>(
     if (0..N).any(|j| task.jerk[j] < task.bounds.jerk[j]) {
         meet_ends(grid, &times, &mut inner)?;
     }
+    stretch_evenly(task, &inner, &mut times)?;
+    let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
+    let trajectory = Trajectory::new(&line, &inner).map_err(|_| TimePathError::Range)?;
+    if trajectory.joints().iter().flatten().any(|angle| !angle.is_finite()) {
+        return Err(TimePathError::Range);
+    }
+    Ok(TimedMotion {
+        end_deviation: end_deviation(grid, &trajectory),
+        trajectory,
+        knots: grid.postures.clone(),
+        planned: planned_times(task, warp, grid),
+        pace,
+        ideal_duration: ideal,
+        iterations,
+        residual,
+        status: if solved { TimePathStatus::Solved } else { TimePathStatus::Iterations },
+    })
+}
+
+/// Stretches all time until every limit holds. Velocities fall with the factor, accelerations with its square, jerks with its cube, so
+/// once is enough but for rounding.
+fn stretch_evenly<const N: usize>(
+    task: &Task<'_, N>,
+    inner: &[[f64; N]],
+    times: &mut [f64],
+) -> Result<(), TimePathError> {
     for _ in 0..STRETCHES {
-        let excess = Spline::new(times.clone(), &inner)?.excess(task);
+        let excess = Spline::new(times.to_vec(), inner)?.excess(task);
         let whole = excess.iter().fold(1.0f64, |most, excess| most.max(*excess));
         if whole <= 1.0 {
             break;
         }
         times.iter_mut().for_each(|time| *time *= whole * (1.0 + 1e-13));
     }
-    let segments = grid.segments.len();
-    let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
-    let trajectory = Trajectory::new(&line, &inner).map_err(|_| TimePathError::Range)?;
-    if trajectory.joints().iter().flatten().any(|angle| !angle.is_finite()) {
-        return Err(TimePathError::Range);
-    }
+    Ok(())
+}
+
+/// How far the ends of a motion are from those of the path, the joint that is farthest.
+fn end_deviation<const N: usize>(grid: &Grid<N>, trajectory: &Trajectory<N>) -> f64 {
     let mut end_deviation = 0.0f64;
-    for knot in [0, segments] {
+    for knot in [0, grid.segments.len()] {
         for j in 0..N {
             end_deviation = end_deviation.max((trajectory.joints()[knot][j] - grid.knots[knot].joints[j]).abs());
         }
     }
+    end_deviation
+}
+
+/// The planned time at each knot; at postures to the last bit.
+fn planned_times<const N: usize>(task: &Task<'_, N>, warp: &Warp, grid: &Grid<N>) -> Vec<f64> {
     let (mut sigma, mut planned) = (0.0, vec![task.planned[0]]);
     for segment in &grid.segments {
         sigma += segment.width;
@@ -314,15 +344,5 @@ pub(super) fn run<const N: usize>(
     for (posture, &knot) in grid.postures.iter().enumerate() {
         planned[knot] = task.planned[posture];
     }
-    Ok(TimedMotion {
-        trajectory,
-        knots: grid.postures.clone(),
-        planned,
-        pace,
-        end_deviation,
-        ideal_duration: ideal,
-        iterations,
-        residual,
-        status: if solved { TimePathStatus::Solved } else { TimePathStatus::Iterations },
-    })
+    planned
 }

@@ -69,6 +69,44 @@ pub(super) enum What {
     Spike,
 }
 
+/// Rows of a program while they are collected, and what each is.
+#[derive(Default)]
+struct Rows {
+    rows: Vec<Row>,
+    what: Vec<What>,
+}
+
+impl Rows {
+    /// Adds a row unless it has no terms or no limit. Its terms are of three neighbouring unknowns.
+    fn put(&mut self, terms: [(usize, f64); 4], root: Option<usize>, limit: f64, of: What) {
+        let first = terms.iter().filter(|(_, by)| *by != 0.0).map(|&(at, _)| at).min();
+        let Some(first) = first.map(|first| root.map_or(first, |root| root.min(first))) else { return };
+        if limit == f64::INFINITY {
+            return;
+        }
+        let mut by = [0.0; 3];
+        for (at, value) in terms.into_iter().filter(|(_, value)| *value != 0.0) {
+            by[at - first] += value;
+        }
+        self.rows.push(Row::new(first, by, root.map(|root| root - first), limit));
+        self.what.push(of);
+    }
+
+    /// A row that keeps the square of the pace at a knot from rising far above the line between its neighbours, which lie `w` before and
+    /// `v` behind it: limits between knots would not see a spike.
+    fn limit_spike(&mut self, knot: usize, w: f64, v: f64) {
+        let mut row = Row::new(knot - 2, [-v / (w + v), 1.0, -w / (w + v)], Some(1), SPIKE);
+        row.is_linear = true;
+        self.rows.push(row);
+        self.what.push(What::Spike);
+    }
+}
+
+/// The unknown of a knot: unknown `k` belongs to knot `k + 1`, and the outermost knots share those of their neighbours.
+fn unknown(segments: usize, knot: usize) -> usize {
+    knot.clamp(1, segments - 1) - 1
+}
+
 impl<const N: usize> Task<'_, N> {
     /// The same without limits of jerk.
     pub fn without_jerk(&self) -> Self {
@@ -195,79 +233,75 @@ impl<const N: usize> Task<'_, N> {
     /// The program, and what its rows are.
     pub fn program(&self, grid: &Grid<N>) -> (Program, Vec<What>) {
         let segments = grid.segments.len();
-        // Unknown `k` belongs to knot `k + 1`; the outermost knots share those of their neighbours.
-        let unknowns = segments - 1;
-        let unknown = |knot: usize| knot.clamp(1, unknowns) - 1;
-        let (mut rows, mut what) = (Vec::new(), Vec::new());
-        let mut put = |terms: [(usize, f64); 4], root: Option<usize>, limit: f64, of: What| {
-            let first = terms.iter().filter(|(_, by)| *by != 0.0).map(|&(at, _)| at).min();
-            let Some(first) = first.map(|first| root.map_or(first, |root| root.min(first))) else { return };
-            if limit == f64::INFINITY {
-                return;
-            }
-            let mut by = [0.0; 3];
-            for (at, value) in terms.into_iter().filter(|(_, value)| *value != 0.0) {
-                by[at - first] += value;
-            }
-            rows.push(Row::new(first, by, root.map(|root| root - first), limit));
-            what.push(of);
-        };
+        let mut rows = Rows::default();
         for knot in 0..=segments {
             for joint in 0..N {
-                let before = knot.checked_sub(1).map(|segment| &grid.segments[segment]);
-                let after = grid.segments.get(knot);
-                let half =
-                    |segment: Option<&super::curve::Segment<N>>| segment.map_or(0.0, |segment| 0.5 * segment.width);
-                let width = half(before) + half(after);
-                let none = (0, 0.0);
-                let [mut a, mut b, mut c, mut d] = [none; 4];
-                if let Some(segment) = before {
-                    a = (unknown(knot - 1), -segment.before[joint]);
-                    b = (unknown(knot), -segment.after[joint]);
-                }
-                if let Some(segment) = after {
-                    c = (unknown(knot), segment.before[joint]);
-                    d = (unknown(knot + 1), segment.after[joint]);
-                }
-                let jerk = self.jerk[joint];
-                let (root, limit) = (Some(unknown(knot)), jerk * width);
-                let beside = [knot.max(1) - 1, knot.min(segments - 1)];
-                let jump = grid.knots[knot].jump[joint];
-                if jump == 0.0 {
-                    put([a, b, c, d], root, limit, What::Jerk { knot, segments: beside, joint, width });
-                } else {
-                    // The difference of accelerations holds the mean of both sides, by their widths.
-                    let sides = [(beside[0], -half(after)), (beside[1], half(before))];
-                    for (segment, share) in sides {
-                        let c = (c.0, c.1 + share * jump);
-                        put([a, b, c, d], root, limit, What::Jerk { knot, segments: [segment; 2], joint, width });
-                    }
-                }
-                if after.is_some() {
-                    let limit = self.bounds.acceleration[joint];
-                    put([c, d, none, none], None, limit, What::Acceleration { segment: knot, joint });
-                }
+                self.limit_joint(grid, knot, joint, &mut rows);
             }
-            if let (Some(flow), Some(segment)) = (self.flow, grid.segments.get(knot)) {
-                let (from, to) = (grid.knots[knot].warp, grid.knots[knot + 1].warp);
-                // d(pace)/dt = (b' - b) / (2 ds), and ds is the mean of ds/dsigma times the width.
-                let scale = flow.flow_mm3_s[segment.piece] / ((from + to) * segment.width);
-                let none = (0, 0.0);
-                let terms = [(unknown(knot), -scale * from * from), (unknown(knot + 1), scale * to * to), none, none];
-                put(terms, None, flow.max_ramp_mm3_s2, What::Flow);
-            }
+            self.limit_ramp(grid, knot, &mut rows);
         }
-
         for knot in 2..segments - 1 {
-            let (w, v) = (grid.segments[knot - 1].width, grid.segments[knot].width);
-            let mut row = Row::new(knot - 2, [-v / (w + v), 1.0, -w / (w + v)], Some(1), SPIKE);
-            row.is_linear = true;
-            rows.push(row);
-            what.push(What::Spike);
+            rows.limit_spike(knot, grid.segments[knot - 1].width, grid.segments[knot].width);
         }
         let widths = grid.segments.iter().map(|segment| segment.width).collect();
-        let mut program = Program::new(widths, rows, unknowns);
-        let upper: Vec<f64> = (0..unknowns).map(|k| self.upper(grid, k + 1, 1.0)).collect();
+        let Rows { rows, what } = rows;
+        (self.started(grid, Program::new(widths, rows, segments - 1)), what)
+    }
+
+    /// Rows for the jerk of a joint at a knot, and for its acceleration in the middle of the segment behind it. Accelerations are
+    /// linear in the squares of the pace at both ends of their segment; the jerk is their difference over the time between the middles.
+    fn limit_joint(&self, grid: &Grid<N>, knot: usize, joint: usize, rows: &mut Rows) {
+        let segments = grid.segments.len();
+        let unknown = |knot: usize| unknown(segments, knot);
+        let before = knot.checked_sub(1).map(|segment| &grid.segments[segment]);
+        let after = grid.segments.get(knot);
+        let half = |segment: Option<&super::curve::Segment<N>>| segment.map_or(0.0, |segment| 0.5 * segment.width);
+        let width = half(before) + half(after);
+        let none = (0, 0.0);
+        let [mut a, mut b, mut c, mut d] = [none; 4];
+        if let Some(segment) = before {
+            a = (unknown(knot - 1), -segment.before[joint]);
+            b = (unknown(knot), -segment.after[joint]);
+        }
+        if let Some(segment) = after {
+            c = (unknown(knot), segment.before[joint]);
+            d = (unknown(knot + 1), segment.after[joint]);
+        }
+        let jerk = self.jerk[joint];
+        let (root, limit) = (Some(unknown(knot)), jerk * width);
+        let beside = [knot.max(1) - 1, knot.min(segments - 1)];
+        let jump = grid.knots[knot].jump[joint];
+        if jump == 0.0 {
+            rows.put([a, b, c, d], root, limit, What::Jerk { knot, segments: beside, joint, width });
+        } else {
+            // The difference of accelerations holds the mean of both sides, by their widths.
+            let sides = [(beside[0], -half(after)), (beside[1], half(before))];
+            for (segment, share) in sides {
+                let c = (c.0, c.1 + share * jump);
+                rows.put([a, b, c, d], root, limit, What::Jerk { knot, segments: [segment; 2], joint, width });
+            }
+        }
+        if after.is_some() {
+            let limit = self.bounds.acceleration[joint];
+            rows.put([c, d, none, none], None, limit, What::Acceleration { segment: knot, joint });
+        }
+    }
+
+    /// A row for the rate of the flow in the segment behind a knot.
+    fn limit_ramp(&self, grid: &Grid<N>, knot: usize, rows: &mut Rows) {
+        let (Some(flow), Some(segment)) = (self.flow, grid.segments.get(knot)) else { return };
+        let unknown = |knot: usize| unknown(grid.segments.len(), knot);
+        let (from, to) = (grid.knots[knot].warp, grid.knots[knot + 1].warp);
+        // d(pace)/dt = (b' - b) / (2 ds), and ds is the mean of ds/dsigma times the width.
+        let scale = flow.flow_mm3_s[segment.piece] / ((from + to) * segment.width);
+        let none = (0, 0.0);
+        let terms = [(unknown(knot), -scale * from * from), (unknown(knot + 1), scale * to * to), none, none];
+        rows.put(terms, None, flow.max_ramp_mm3_s2, What::Flow);
+    }
+
+    /// The program at a start strictly within its limits: the same pace everywhere.
+    fn started(&self, grid: &Grid<N>, mut program: Program) -> Program {
+        let upper: Vec<f64> = (0..program.x.len()).map(|k| self.upper(grid, k + 1, 1.0)).collect();
         // The largest unknown that may be the same everywhere.
         let mut same = upper.iter().fold(f64::INFINITY, |least, upper| least.min(*upper));
         same = same.min(program.factor(0.0));
@@ -279,7 +313,7 @@ impl<const N: usize> Task<'_, N> {
         program.x.fill(0.5 * same);
         program.shrink(0.5);
         program.centre(1.0, true);
-        (program, what)
+        program
     }
 
     /// The largest square of the pace at a knot; speeds count this much more than they are.

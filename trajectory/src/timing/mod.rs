@@ -25,10 +25,9 @@ mod program;
 mod row;
 
 use crate::spline::Trajectory;
-use crate::{Bounds, BoundsError, Progress};
+use crate::{Bounds, BoundsError, Progress, ProgressFn};
 use curve::{Curve, Grid};
 pub use free::{FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, time_path_free};
-use std::ops::ControlFlow;
 
 /// Tolerance of the first timing, which only finds where knots are needed.
 const ROUGH: f64 = 0.02;
@@ -198,7 +197,7 @@ pub enum TimePathError {
     #[error("the timing exceeds double precision: bring times, postures and limits to similar scales")]
     Range,
     /// The progress callback cancelled the work.
-    #[error("timing was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -214,7 +213,7 @@ pub enum TimePathError {
 ///   `upper` must be sound, but are not looked at ([`Trajectory::violations`] does that).
 ///
 /// # Returns
-/// The trajectory. All postures but the first and the last are met exactly, those as far as [`TimedMotion::end_deviation`] says.
+/// The trajectory. All postures but the first and the last are met exactly, those two within [`TimedMotion::end_deviation`].
 /// Where nothing limits a piece (no pace, and joints that stand still or have no limits), the pace stays below a
 /// thousand times what the whole path allows everywhere.
 ///
@@ -241,7 +240,7 @@ pub fn time_path<const N: usize>(
     flow: Option<FlowLimits<'_>>,
     bounds: &Bounds<N>,
     options: &TimePathOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<TimedMotion<N>, TimePathError> {
     check(postures, planned, max_pace, flow, bounds, options)?;
     let curve = Curve::new(postures, planned);

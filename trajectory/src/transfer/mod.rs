@@ -334,7 +334,7 @@ fn check_bounds<const N: usize>(bounds: &Bounds<N>) -> Result<(), TransferError>
 /// Plans a motion between two postures at rest.
 ///
 /// # Arguments
-/// * `name`: what a result that is none calls it, such as `layer 4 to layer 5`.
+/// * `name`: what a failure calls it, such as `layer 4 to layer 5`.
 /// * `bounds`: velocity, acceleration and jerk must be finite; angles may be without bounds.
 /// * `space`: which lines in joint space are free; a closure will do.
 ///

@@ -2,8 +2,8 @@
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.3. There the nearest free posture
 //! replaces the one that collides, whatever lies beside it. Here both sides of a repaired segment have to be reached
-//! within the bounds on velocity, and the waypoints beside it turn along to make way for that, as far as
-//! [`RepairOptions::widen`] says; where no way is slow enough there is a split.
+//! within the bounds on velocity, and the waypoints beside it turn along to make way for that, up to
+//! [`RepairOptions::widen`]; where no way is slow enough there is a split.
 
 use super::Verification;
 use super::repair::{Repair, RepairError, RepairOptions, repair};

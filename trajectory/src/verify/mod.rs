@@ -1,3 +1,5 @@
+//! For reproducing the verification of C. Dai's dissertation (section 4.3.3); prints use [`print`](mod@crate::print) and [`check`](crate::check).
+//!
 //! Verification: every waypoint and the motion between any two, against an exact check; and repair of what collides.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.3.3, which checks waypoints. Here the
@@ -10,8 +12,7 @@ mod repair;
 pub use dense::{Checks, DENSE_STEP, dense_postures, repair_by_turning};
 pub use repair::{Repair, RepairError, RepairOptions, repair};
 
-use crate::Progress;
-use std::ops::ControlFlow;
+use crate::{Progress, ProgressFn};
 
 /// What collides.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -35,7 +36,7 @@ impl Verification {
 #[non_exhaustive]
 pub enum VerifyError {
     /// The progress callback cancelled the verification.
-    #[error("the verification was cancelled")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -70,7 +71,7 @@ pub fn verify<const N: usize>(
     waypoints: &[[f64; N]],
     posture_free: &(impl Fn(usize, &[f64; N]) -> bool + ?Sized),
     motion_free: &(impl Fn(usize, &[f64; N], &[f64; N]) -> bool + ?Sized),
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<Verification, VerifyError> {
     let mut found = Verification::default();
     let total = waypoints.len() as u64;

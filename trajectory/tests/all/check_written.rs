@@ -7,7 +7,7 @@ use curvlay_trajectory::check::{
     PathPoint, PrintSceneFn, WrittenMotion, WrittenReport, check_print, check_written,
 };
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use curvlay_trajectory::print::{LegKind, Moment, Waypoint};
+use curvlay_trajectory::print::{Moment, SegmentKind, Waypoint};
 use curvlay_trajectory::transfer::Transfer;
 use curvlay_trajectory::{Bounds, Progress};
 use std::ops::ControlFlow;
@@ -32,14 +32,14 @@ fn paths(count: usize) -> Vec<Vec<Waypoint>> {
 }
 
 /// A motion through some corners, from rest to rest, that begins at `start`.
-fn motion(kind: LegKind, number: usize, start: f64, corners: &[[f64; 3]]) -> WrittenMotion<3> {
+fn motion(kind: SegmentKind, number: usize, start: f64, corners: &[[f64; 3]]) -> WrittenMotion<3> {
     let way = Transfer::through(corners.to_vec(), &bounds()).unwrap();
     let mut times = way.knots();
     times.dedup_by(|b, a| *b - *a < 1e-6);
     let joints = times.iter().map(|&time| way.at(time).position).collect();
     let last = times.len() - 1;
     let times: Vec<f64> = times.into_iter().map(|time| start + time).collect();
-    let waypoints = if kind == LegKind::Print { vec![(0, times[0]), (10, times[last])] } else { vec![] };
+    let waypoints = if kind == SegmentKind::Print { vec![(0, times[0]), (10, times[last])] } else { vec![] };
     WrittenMotion { kind, layer: number as u32, path: number, times, joints, waypoints }
 }
 
@@ -52,10 +52,10 @@ fn print(count: usize) -> Vec<WrittenMotion<3>> {
         let above = |[x, y, z]: [f64; 3]| [x, y, z + 5.0];
         let next = [3.0, 0.0, z + 1.0];
         let all = [
-            (LegKind::Print, k, vec![start, end]),
-            (LegKind::Lift, k, vec![end, above(end)]),
-            (LegKind::Transfer, k, vec![above(end), above(next)]),
-            (LegKind::Approach, k, vec![above(next), next]),
+            (SegmentKind::Print, k, vec![start, end]),
+            (SegmentKind::Lift, k, vec![end, above(end)]),
+            (SegmentKind::Transfer, k, vec![above(end), above(next)]),
+            (SegmentKind::Approach, k, vec![above(next), next]),
         ];
         for (kind, number, corners) in all.into_iter().take(if k + 1 < count { 4 } else { 1 }) {
             let begin = motions.last().map_or(0.0, |motion| *motion.times.last().unwrap());
@@ -144,7 +144,7 @@ fn it_is_the_check_of_each_motion_with_what_is_built_by_then() {
         .zip(&of)
         .enumerate()
         .map(|(number, (motion, path))| CheckedMotion {
-            kind: if motion.kind == LegKind::Print { MotionKind::Print } else { MotionKind::Travel },
+            kind: if motion.kind == SegmentKind::Print { MotionKind::Print } else { MotionKind::Travel },
             times: &motion.times,
             joints: &motion.joints,
             path,
@@ -158,15 +158,15 @@ fn it_is_the_check_of_each_motion_with_what_is_built_by_then() {
         contact: |moment: &curvlay_trajectory::check::Moment, tip: &Point3<f64>, axis: &UnitVector3<f64>| {
             let path = motions[moment.motion].path;
             let then = match motions[moment.motion].kind {
-                LegKind::Print => Moment::At { path, waypoint: moment.point },
-                LegKind::Lift => Moment::At { path, waypoint: 10 },
-                LegKind::Approach => Moment::After { path },
-                LegKind::Transfer => return None,
+                SegmentKind::Print => Moment::At { path, waypoint: moment.point },
+                SegmentKind::Lift => Moment::At { path, waypoint: 10 },
+                SegmentKind::Approach => Moment::After { path },
+                SegmentKind::Transfer => return None,
             };
             at_layer(moment.motion).depth(then, &Waypoint { position: *tip, axis: *axis })
         },
         sweep: |motion: usize, _: usize, control: &[[f64; 3]; 4]| {
-            at_layer(motion).sweep(motions[motion].kind == LegKind::Transfer, control)
+            at_layer(motion).sweep(motions[motion].kind == SegmentKind::Transfer, control)
         },
     };
     let expected = check_print(&lent, &bounds(), &by_hand, &CheckOptions::default(), &quiet).unwrap();
@@ -176,8 +176,8 @@ fn it_is_the_check_of_each_motion_with_what_is_built_by_then() {
     assert_eq!((report.count(FindingClass::Limits), report.count(FindingClass::Collisions)), (0, 2));
     let unsafe_motions = report.print.motions_with(FindingClass::is_unsafe);
     assert_eq!(unsafe_motions.into_iter().collect::<Vec<_>>(), [2, 4, 5, 6]);
-    let low = report.places.iter().find(|place| place.kind == LegKind::Print).unwrap();
-    assert_eq!(*low, FindingPlace { kind: LegKind::Print, layer: 1, path: 1 });
+    let low = report.places.iter().find(|place| place.kind == SegmentKind::Print).unwrap();
+    assert_eq!(*low, FindingPlace { kind: SegmentKind::Print, layer: 1, path: 1 });
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn what_no_motion_goes_along_is_not_printed_and_nothing_has_to_lead_to_what_stan
     let mut motions = print(2);
     // The transfer to the second path was not found, and of that path only a part is printed.
     motions.drain(1..4);
-    motions[1] = motion(LegKind::Print, 1, motions[1].times[0], &[[5.0, 0.0, 1.0], [11.0, 0.0, 1.0]]);
+    motions[1] = motion(SegmentKind::Print, 1, motions[1].times[0], &[[5.0, 0.0, 1.0], [11.0, 0.0, 1.0]]);
     motions[1].waypoints = vec![(2, motions[1].times[0]), (8, *motions[1].times.last().unwrap())];
     let report = judge(&motions, &paths, &mut FREE.clone());
     assert!(report.print.is_ok(), "{:?}", report.print.findings);

@@ -8,8 +8,8 @@ use curvlay_trajectory::check::{
 use curvlay_trajectory::indicator::CollisionIndicator;
 use curvlay_trajectory::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_trajectory::print::{
-    Clearance, FaultKind, LegKind, Moment, PrintError, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintPlanner,
-    PrintRobot, PrintWorkcell, TipSpeed, Waypoint, path_deviations, plan_print,
+    Clearance, FaultKind, Moment, PrintError, PrintLimits, PrintOptions, PrintPath, PrintPlan, PrintPlanner,
+    PrintRobot, PrintWorkcell, SegmentKind, TipSpeed, Waypoint, path_deviations, plan_print,
 };
 use curvlay_trajectory::transfer::FreeSpace;
 use curvlay_trajectory::{Bounds, BoundsError, FreeRange, Posture, Progress};
@@ -203,10 +203,10 @@ fn rings() -> Vec<Owned> {
 fn findings(plan: &PrintPlan<4, 1>, paths: &[Owned]) -> Vec<String> {
     let mut start = 0.0;
     let (mut motions, mut points) = (Vec::new(), Vec::new());
-    for leg in plan.legs(0..plan.runs.len()) {
+    for leg in plan.segments(0..plan.runs.len()) {
         let (times, joints): (Vec<f64>, Vec<[f64; 4]>) = leg.knots().into_iter().unzip();
         let mut path = Vec::new();
-        if leg.kind == LegKind::Print {
+        if leg.kind == SegmentKind::Print {
             let given = leg.run.passes.iter().filter_map(|&(knot, waypoint)| Some((knot, waypoint?)));
             for (knot, waypoint) in given {
                 let Waypoint { position: tip, axis } = paths[leg.run.path].waypoints[waypoint];
@@ -221,7 +221,7 @@ fn findings(plan: &PrintPlan<4, 1>, paths: &[Owned]) -> Vec<String> {
         .iter()
         .zip(&points)
         .map(|((kind, times, joints), path)| {
-            let kind = if *kind == LegKind::Print { MotionKind::Print } else { MotionKind::Travel };
+            let kind = if *kind == SegmentKind::Print { MotionKind::Print } else { MotionKind::Travel };
             CheckedMotion { kind, times, joints, path, printing: None, apart: false }
         })
         .collect();
@@ -245,7 +245,7 @@ fn rings_are_printed_whole_and_nothing_is_found() {
     assert!(plan.travels.iter().all(Option::is_some));
     assert_eq!(findings(&plan, &paths), [""; 0]);
     assert_eq!(plan.layers.iter().map(|layer| (layer.layer, layer.runs)).collect::<Vec<_>>(), [(0, 2), (1, 2)]);
-    let legs: f64 = plan.legs(0..4).map(|leg| leg.duration()).sum();
+    let legs: f64 = plan.segments(0..4).map(|leg| leg.duration()).sum();
     assert!((plan.robot_s() - legs).abs() < 1e-9 && plan.printing_s >= plan.planned_s && plan.planned_s > 60.0);
     for (run, path) in plan.runs.iter().zip(&paths) {
         // All waypoints, and as much filament as was planned, however slow the ends are.
@@ -262,8 +262,8 @@ fn rings_are_printed_whole_and_nothing_is_found() {
             assert!(off <= 1e-3, "{off}");
         }
     }
-    let waypoint = plan.legs(0..1).next().unwrap();
-    assert_eq!((waypoint.kind, waypoint.filament_mm(0.0)), (LegKind::Print, 0.0));
+    let waypoint = plan.segments(0..1).next().unwrap();
+    assert_eq!((waypoint.kind, waypoint.filament_mm(0.0)), (SegmentKind::Print, 0.0));
 }
 
 /// The rings cut into programs that begin and end at a home posture 100 mm above them.
@@ -287,14 +287,14 @@ fn programs_begin_and_end_at_home() {
     assert!(plan.travels[1].is_none() && plan.travels[0].is_some());
     assert_eq!(findings(&plan, &paths), [""; 0]);
     for program in [0..2, 2..4] {
-        let legs: Vec<_> = plan.legs(program).collect();
+        let legs: Vec<_> = plan.segments(program).collect();
         let (first, last) = (&legs[0], &legs[legs.len() - 1]);
         assert_eq!((first.at(0.0), last.at(last.duration())), (home, home));
-        use LegKind::{Approach, Lift, Print, Transfer};
-        let kinds: Vec<LegKind> = legs.iter().map(|leg| leg.kind).collect();
+        use SegmentKind::{Approach, Lift, Print, Transfer};
+        let kinds: Vec<SegmentKind> = legs.iter().map(|leg| leg.kind).collect();
         assert_eq!(kinds, [Transfer, Approach, Print, Lift, Transfer, Approach, Print, Lift, Transfer]);
     }
-    let legs: f64 = plan.legs(0..4).map(|leg| leg.duration()).sum();
+    let legs: f64 = plan.segments(0..4).map(|leg| leg.duration()).sum();
     assert!((plan.robot_s() - legs).abs() < 1e-9);
     // The table has no posture over its middle, so home is where the nozzle has lifted off, by 80 mm.
     assert!((Turntable.nozzle(&home).unwrap().translation.vector.z - 82.0).abs() < 1e-9);
@@ -353,11 +353,11 @@ fn home_is_not_a_turn_away_from_the_print() {
 #[test]
 fn programs_begin_and_end_at_home_around_a_run_that_is_taken_out() {
     let (plan, home, paths) = with_homes(Wall::None, &[]);
-    let second = plan.legs(0..4).position(|leg| leg.kind == LegKind::Print && leg.run.path == 1).unwrap();
+    let second = plan.segments(0..4).position(|leg| leg.kind == SegmentKind::Print && leg.run.path == 1).unwrap();
     let left = plan.without(&[second].into());
     assert!(left.homes.is_empty() && left.runs.iter().map(|run| run.path).eq([0, 2, 3]));
     // Its time is that of what is left.
-    let legs: f64 = left.legs(0..3).map(|leg| leg.duration()).sum();
+    let legs: f64 = left.segments(0..3).map(|leg| leg.duration()).sum();
     assert!((left.robot_s() - legs).abs() < 1e-9 && left.layers[0].runs == 1 && left.layers[1].runs == 2);
     let left = left.with_homes(&Turntable, Cell(Wall::None), &home, &[].into(), &limits(), &options(), &quiet).unwrap();
     let ways: Vec<(bool, bool)> = left.homes.iter().map(|(from, back)| (from.is_some(), back.is_some())).collect();
@@ -379,14 +379,14 @@ fn the_tip_keeps_its_speed_on_travels() {
         let plan = plan_print(&Turntable, Cell(Wall::None), &paths, &fast, &options, &quiet).unwrap();
         let home = plan.home_above(&Turntable, Cell(Wall::None), &fast, &options, &quiet).unwrap().unwrap();
         let plan = plan.with_homes(&Turntable, Cell(Wall::None), &home, &[].into(), &fast, &options, &quiet).unwrap();
-        let speed = |leg: curvlay_trajectory::print::Leg<'_, 4, 1>| {
+        let speed = |leg: curvlay_trajectory::print::Segment<'_, 4, 1>| {
             let tip = |time: f64| Turntable.nozzle(&leg.at(time)).unwrap().translation.vector;
             let step = leg.duration() / 2000.0;
             (0..2000)
                 .map(|k| (tip(step * f64::from(k + 1)) - tip(step * f64::from(k))).norm() / step)
                 .fold(0.0, f64::max)
         };
-        plan.legs(0..4).filter(|leg| leg.kind == LegKind::Transfer).map(speed).fold(0.0, f64::max)
+        plan.segments(0..4).filter(|leg| leg.kind == SegmentKind::Transfer).map(speed).fold(0.0, f64::max)
     };
     let unlimited = TipSpeed { near_mm_s: f64::INFINITY, far_mm_s: f64::INFINITY, ..TipSpeed::default() };
     assert!(tip_of(unlimited) > 300.0);
@@ -407,7 +407,7 @@ fn without_a_limit_of_jerk_motions_are_joined() {
     };
     let (free, loose, held) = (with(f64::INFINITY), with(1e5), with(limits.bounds.jerk[0]));
     for plan in [&free, &loose, &held] {
-        let legs: Vec<_> = plan.legs(0..plan.runs.len()).map(|leg| leg.knots()).collect();
+        let legs: Vec<_> = plan.segments(0..plan.runs.len()).map(|leg| leg.knots()).collect();
         for pair in legs.windows(2) {
             let (end, begin) = (pair[0][pair[0].len() - 1].1, pair[1][0].1);
             let gap = (0..4).map(|j| (end[j] - begin[j]).abs()).fold(0.0, f64::max);
@@ -490,7 +490,7 @@ fn transfers_that_are_not_found_are_told_with_the_path_that_they_leave() {
     assert!(plan.travels.iter().all(Option::is_none));
     let told: Vec<_> = plan.faults.iter().map(|fault| (fault.layer, fault.path, fault.waypoint)).collect();
     assert_eq!(told, [(0, 0, 57), (0, 1, 57), (1, 2, 57)]);
-    assert_eq!(plan.legs(0..4).count(), 4);
+    assert_eq!(plan.segments(0..4).count(), 4);
 }
 
 /// The table turns from -7 to 6.5: two and a half times around is too far, and it has to be set anew on the way. The second run begins at
@@ -678,7 +678,7 @@ proptest! {
         };
         let paths: Vec<Owned> = (0..layers).map(walk).collect();
         let plan = planned(Wall::None, &paths).unwrap();
-        prop_assert!(plan.faults.iter().all(|fault| fault.kind == FaultKind::Astray), "{:?}", plan.faults);
+        prop_assert!(plan.faults.iter().all(|fault| fault.kind == FaultKind::PathDeviation), "{:?}", plan.faults);
         if plan.faults.is_empty() {
             prop_assert_eq!(findings(&plan, &paths), [""; 0]);
             for run in &plan.runs {

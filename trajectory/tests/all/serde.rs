@@ -6,7 +6,7 @@ use curvlay_trajectory::check::{
 };
 use curvlay_trajectory::indicator::svm::SvmOptions;
 use curvlay_trajectory::indicator::{HardOptions, SamplingOptions};
-use curvlay_trajectory::print::{LegKind, PrintLimits, PrintOptions};
+use curvlay_trajectory::print::{PrintLimits, PrintOptions, SegmentKind};
 use curvlay_trajectory::qp::QpOptions;
 use curvlay_trajectory::transfer::TransferOptions;
 use curvlay_trajectory::verify::RepairOptions;
@@ -93,8 +93,15 @@ fn reports_come_back() {
         samples: 100,
     };
     comes_back(&print);
-    let places = vec![FindingPlace { kind: LegKind::Approach, layer: 1, path: 2 }; 4];
+    let places = vec![FindingPlace { kind: SegmentKind::Approach, layer: 1, path: 2 }; 4];
     comes_back(&WrittenReport { print, places, path_mm: 12.5, printed_mm: 12.0 });
     let (times, joints) = (vec![0.0, 0.1], vec![[0.1, 0.2, 0.3]; 2]);
-    comes_back(&WrittenMotion { kind: LegKind::Print, layer: 0, path: 0, times, joints, waypoints: vec![(0, 0.0)] });
+    comes_back(&WrittenMotion {
+        kind: SegmentKind::Print,
+        layer: 0,
+        path: 0,
+        times,
+        joints,
+        waypoints: vec![(0, 0.0)],
+    });
 }

@@ -186,7 +186,7 @@ impl Bvh {
         best
     }
 
-    /// Hands over each pair of boxes that overlap once, until told to break.
+    /// Hands over each pair of boxes that overlap once, until the callback breaks.
     pub(crate) fn pairs(&self, mut found: impl FnMut(u32, u32) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut stack = if self.nodes.is_empty() { Vec::new() } else { vec![(0u32, 0u32)] };
         while let Some((a, b)) = stack.pop() {

@@ -20,7 +20,7 @@ pub(super) struct Contacts {
     pub(super) complete: bool,
 }
 
-/// Looks at all pairs of triangles with an area whose boxes overlap, as far as the bound on pairs goes.
+/// Looks at all pairs of triangles with an area whose boxes overlap, up to the bound on pairs.
 pub(super) fn find(mesh: &Welded, edges: &Edges, bvh: &Bvh) -> Contacts {
     let mut left = PAIRS_AT_LEAST.max(PAIRS_PER_TRIANGLE * mesh.triangles.len() as u64);
     let takes_part = |t: u32| edges.part[t as usize] != u32::MAX && mesh.kinds[t as usize] != Kind::Sliver;

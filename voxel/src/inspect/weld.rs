@@ -8,9 +8,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 /// Most triangles and most vertices: numbers of edge ends must fit 32 bits.
-const MOST: usize = 1 << 30;
+const MAX_COUNT: usize = 1 << 30;
 
-/// A triangle is a needle if its height is at most this share of its largest coordinate: as far as its corners move, in
+/// A triangle is a needle if its height is at most this share of its largest coordinate: the distance by which its corners move, in
 /// three directions, when they are rounded to single precision, in which STL files are written. Corners that once
 /// lay on a line end up so; the flattest triangle with a purpose in a scan of 50,000 has one and a half times that.
 const FLATNESS: f64 = 1.733 * f32::EPSILON as f64 / 2.0;
@@ -20,7 +20,7 @@ pub(crate) fn check(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<
     if triangles.is_empty() {
         return Err(InspectError::NoTriangles);
     }
-    if triangles.len() > MOST || vertices.len() > MOST {
+    if triangles.len() > MAX_COUNT || vertices.len() > MAX_COUNT {
         return Err(InspectError::TooMany { triangles: triangles.len(), vertices: vertices.len() });
     }
     for (triangle, corners) in triangles.iter().enumerate() {

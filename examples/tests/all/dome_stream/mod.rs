@@ -64,7 +64,7 @@ fn wanted(messages: &[LinkMessage]) -> Vec<String> {
         }
         LinkMessage::Home => "L 0 0 0 0 0 0 0 0 0 0 0 -1".to_owned(),
         LinkMessage::Extruder(command) => format!("E {command}"),
-        LinkMessage::Swing { .. } => panic!(),
+        LinkMessage::JointMove { .. } => panic!(),
     };
     messages.iter().map(text).collect()
 }

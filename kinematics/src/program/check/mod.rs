@@ -5,5 +5,5 @@ mod steps;
 
 pub(crate) use seconds::Clock;
 pub use seconds::program_seconds;
-pub(crate) use steps::{Checker, LARGEST, LEAST, check_frame, check_option, check_payload};
+pub(crate) use steps::{Checker, MAX_NUMBER, MIN_NUMBER, check_frame, check_option, check_payload};
 pub use steps::{ProgramLimits, WriteError};

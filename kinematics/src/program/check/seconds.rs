@@ -63,7 +63,7 @@ impl Clock {
         work_tool: &impl Fn(&[f64; 6], Option<ExternalAxes>) -> Option<Isometry3<f64>>,
     ) {
         match step {
-            Step::Move(Move { goal: Goal::Line(target) | Goal::Swing(target), speed, .. }) => {
+            Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
                 let way = self.place.map_or([0.0; 2], |from| way(&from, &target.pose));
                 self.seconds += time(way, speed);
                 (self.place, self.joints) = (Some(target.pose), None);

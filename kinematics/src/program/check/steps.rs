@@ -162,8 +162,8 @@ pub enum WriteError {
     },
 }
 
-/// Positions, angles, speeds and times beyond this are no cell's: neither written nor read.
-pub(crate) const LARGEST: f64 = 1e6;
+/// Positions, angles, speeds and times beyond this belong to no workcell: neither written nor read.
+pub(crate) const MAX_NUMBER: f64 = 1e6;
 
 /// Quarter turns beyond this are no joint's: 250 whole turns.
 const QUARTERS: f64 = 1000.0;
@@ -172,7 +172,7 @@ const QUARTERS: f64 = 1000.0;
 const LAST_BRANCH: f64 = 7.0;
 
 /// Speeds, blends and times below this come out as zero, or nearly so, in some format.
-pub(crate) const LEAST: f64 = 1e-3;
+pub(crate) const MIN_NUMBER: f64 = 1e-3;
 
 /// How far the length of a quaternion may be from 1.
 const UNIT: f64 = 1e-9;
@@ -209,7 +209,7 @@ impl<'a> Checker<'a> {
             }
             Step::Servo { joints, seconds } => {
                 self.check_joints(joints)?;
-                within(self.index, "seconds", *seconds, LEAST, LARGEST)?;
+                within(self.index, "seconds", *seconds, MIN_NUMBER, MAX_NUMBER)?;
                 if let Some(last) = self.streamed {
                     for joint in 0..6 {
                         let rad_s = (joints[joint] - last[joint]).abs() / seconds;
@@ -229,7 +229,7 @@ impl<'a> Checker<'a> {
             Step::Wait(_) => self.streamed = None,
             Step::Extruder(_) | Step::Signal { .. } => {}
             Step::FilamentSpeed(mm_s) => {
-                within(self.index, "filament_mm_s", *mm_s, 0.0, self.limits.filament_mm_s.min(LARGEST))?;
+                within(self.index, "filament_mm_s", *mm_s, 0.0, self.limits.filament_mm_s.min(MAX_NUMBER))?;
                 let feeds = *mm_s > 0.0;
                 if self.in_flight && !(self.fed && feeds) {
                     return Err(WriteError::SignalInFlight { index: self.index });
@@ -250,10 +250,10 @@ impl<'a> Checker<'a> {
     fn check_move(&self, to: &Move) -> Result<(), WriteError> {
         let index = self.index;
         match &to.goal {
-            Goal::Line(target) | Goal::Swing(target) => {
+            Goal::Line(target) | Goal::JointMove(target) => {
                 let at = &target.pose.translation;
                 for (what, value) in [("x", at.x), ("y", at.y), ("z", at.z)] {
-                    within(index, what, value, -LARGEST, LARGEST)?;
+                    within(index, what, value, -MAX_NUMBER, MAX_NUMBER)?;
                 }
                 let length = target.pose.rotation.as_ref().norm();
                 let is_unit = (length - 1.0).abs() <= UNIT;
@@ -269,19 +269,19 @@ impl<'a> Checker<'a> {
             Goal::Joints(joints) => self.check_joints(joints)?,
         }
         for value in to.table.iter().flat_map(ExternalAxes::axes).flatten() {
-            within(index, "table", value, -LARGEST, LARGEST)?;
+            within(index, "table", value, -MAX_NUMBER, MAX_NUMBER)?;
         }
-        within(index, "mm_s", to.speed.mm_s, LEAST, self.limits.speed_mm_s.min(LARGEST))?;
-        within(index, "rad_s", to.speed.rad_s, LEAST, LARGEST)?;
+        within(index, "mm_s", to.speed.mm_s, MIN_NUMBER, self.limits.speed_mm_s.min(MAX_NUMBER))?;
+        within(index, "rad_s", to.speed.rad_s, MIN_NUMBER, MAX_NUMBER)?;
         match to.zone {
             Zone::Stop => Ok(()),
-            Zone::Blend(radius) => within(index, "zone", radius, LEAST, self.limits.zone_mm.min(LARGEST)),
+            Zone::Blend(radius) => within(index, "zone", radius, MIN_NUMBER, self.limits.zone_mm.min(MAX_NUMBER)),
         }
     }
 
     fn check_joints(&self, joints: &[f64; 6]) -> Result<(), WriteError> {
         for (joint, &value) in joints.iter().enumerate() {
-            within(self.index, "joint", value, -LARGEST, LARGEST)?;
+            within(self.index, "joint", value, -MAX_NUMBER, MAX_NUMBER)?;
             let (lower, upper) = (self.limits.joints.lower[joint], self.limits.joints.upper[joint]);
             if value < lower || value > upper {
                 return Err(WriteError::JointLimit { index: self.index, joint, value, lower, upper });
@@ -311,7 +311,7 @@ pub(crate) fn check_frame(what: &'static str, pose: &nalgebra::Isometry3<f64>) -
     let off = (pose.rotation.as_ref().norm() - 1.0).abs();
     check_option(what, off, off <= UNIT, "its quaternion must be of length 1")?;
     let far = farthest(&pose.translation.vector);
-    check_option(what, far, far <= LARGEST, "its place must be finite and within 1e6 mm")
+    check_option(what, far, far <= MAX_NUMBER, "its place must be finite and within 1e6 mm")
 }
 
 /// Whether the mass of an option can be one: above 0 as it is written, its centre a place.

@@ -92,7 +92,7 @@ pub struct DomePrint {
     pub strokes: Vec<PrintedStroke>,
     /// Those that cannot.
     pub faults: Vec<DomeFault>,
-    /// How often a stroke was stopped because axis 6 cannot turn as far as it needs.
+    /// How often a stroke was stopped because axis 6 would leave its range.
     pub splits: usize,
     /// Points that are inserted because the nozzle would not go evenly from one point to the next.
     pub inserted: usize,
@@ -313,8 +313,7 @@ const UNEVEN: f64 = 0.01;
 /// A move is divided into so many at most.
 const MAX_PARTS: u32 = 32;
 
-/// Into how many parts a move has to be divided so that the nozzle goes evenly on each of them; none shorter than `least`. Not a number for poses
-/// that are none.
+/// Into how many parts a move has to be divided so that the nozzle goes evenly on each of them; none shorter than `least`. NaN for invalid poses.
 fn parts(rig: &DomeRig, [from, to]: &[Isometry3<f64>; 2], least: f64) -> f64 {
     let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
     let way = to.translation.vector - from.translation.vector;

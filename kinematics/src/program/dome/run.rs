@@ -145,7 +145,7 @@ impl Follower<'_> {
                 self.follow(&target.pose, seconds);
                 (self.pose, self.last_line) = (Some(target.pose), Some(*target));
             }
-            Step::Move(Move { goal: Goal::Swing(target), .. }) => {
+            Step::Move(Move { goal: Goal::JointMove(target), .. }) => {
                 self.joints = self.joints.and_then(|near| arm.continuing(&target.pose, &near));
                 (self.pose, self.last_line) = (Some(target.pose), None);
             }

@@ -32,7 +32,7 @@ pub struct TurnChoice {
 
 /// A path that no choice keeps within the range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("path {path}: the axis would turn over {span} rad, from {lower} to {upper} rad there is no place for it")]
+#[error("path {path}: the axis would turn over {span} rad, more than its range from {lower} to {upper} rad")]
 pub struct TurnError {
     /// The path, from 0.
     pub path: usize,

@@ -14,7 +14,7 @@ pub enum LinkFrame {
     Job {
         /// Number of the job.
         job: u32,
-        /// Number of the connection, which replies repeat: a late reply to an earlier one is told by it.
+        /// Number of the connection, which replies repeat: it marks a late reply to an earlier connection.
         connection: u32,
     },
     /// Pauses, or goes on. The state with the largest version counts.
@@ -91,7 +91,7 @@ impl LinkFrame {
     /// Reads a frame.
     ///
     /// # Errors
-    /// [`LinkError::Frame`] for bytes that are none.
+    /// [`LinkError::Frame`] for bytes that are no frame.
     pub fn decode(bytes: &[u8]) -> Result<Self, LinkError> {
         let wrong = |what| LinkError::Frame { what };
         if bytes.len() != LinkFrame::BYTES || bytes[LinkFrame::BYTES - 1] != b'\n' || !bytes.is_ascii() {
@@ -131,7 +131,7 @@ impl LinkFrame {
                 None => LinkMessage::Home,
             },
             b'W' => match target()? {
-                Some(target) => LinkMessage::Swing { target, zone: zone(11)? },
+                Some(target) => LinkMessage::JointMove { target, zone: zone(11)? },
                 None => LinkMessage::Home,
             },
             b'A' => {
@@ -223,7 +223,7 @@ impl Columns {
                 self.head(number, b'L')?;
                 self.target(&target, zone)
             }
-            LinkMessage::Swing { target, zone } => {
+            LinkMessage::JointMove { target, zone } => {
                 self.head(number, b'W')?;
                 self.target(&target, zone)
             }

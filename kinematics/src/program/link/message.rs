@@ -17,7 +17,7 @@ pub enum LinkMessage {
         zone: Zone,
     },
     /// A move by joints to a pose.
-    Swing {
+    JointMove {
         /// Where to.
         target: Target,
         /// How exactly.
@@ -47,7 +47,7 @@ impl LinkMessage {
     /// assert!((target.pose.translation.z - 2.8).abs() < 1e-12);
     /// ```
     pub fn raised(mut self, height_mm: f64) -> Self {
-        if let LinkMessage::Line { target, .. } | LinkMessage::Swing { target, .. } = &mut self {
+        if let LinkMessage::Line { target, .. } | LinkMessage::JointMove { target, .. } = &mut self {
             target.pose.translation.z -= height_mm;
         }
         self
@@ -98,7 +98,7 @@ impl<I: Iterator<Item = Step>> LinkTranslator<I> {
                 }
                 self.waiting.push_back(match goal {
                     Goal::Line(target) => LinkMessage::Line { target, zone },
-                    Goal::Swing(target) => LinkMessage::Swing { target, zone },
+                    Goal::JointMove(target) => LinkMessage::JointMove { target, zone },
                     Goal::Joints(joints) => LinkMessage::Joints { joints, zone },
                 });
             }

@@ -110,18 +110,18 @@ pub fn write_link_rapid<W: Write>(
 }
 
 fn check(options: &LinkRapidOptions) -> Result<(), WriteError> {
-    check_name(Language::Rapid, "name", &options.name, LONGEST_NAME)?;
+    check_name(Language::Rapid, "name", &options.name, MAX_NAME)?;
     let mut names = vec![("name", options.name.as_str())];
     for (what, name, installed) in [("tool", &options.tool, "tool0"), ("work_object", &options.work_object, "wobj0")] {
         if name != installed {
-            check_name(Language::Rapid, what, name, LONGEST_WORD)?;
+            check_name(Language::Rapid, what, name, MAX_WORD)?;
         }
         names.push((what, name));
     }
     for (what, name) in
         [("signal", &options.signal), ("reverse_signal", &options.reverse_signal), ("rpm_signal", &options.rpm_signal)]
     {
-        check_name(Language::Rapid, what, name, LONGEST_WORD)?;
+        check_name(Language::Rapid, what, name, MAX_WORD)?;
         names.push((what, name));
     }
     check_distinct(&names)?;
@@ -131,7 +131,7 @@ fn check(options: &LinkRapidOptions) -> Result<(), WriteError> {
         return Err(WriteError::Name { what, name: (*name).to_owned(), need });
     }
     let plain: String = options.address.chars().filter(|c| *c != '.' && *c != '-').collect();
-    check_form("address", &format!("a{plain}"), LONGEST_WORD).map_err(|_| WriteError::Name {
+    check_form("address", &format!("a{plain}"), MAX_WORD).map_err(|_| WriteError::Name {
         what: "address",
         name: options.address.clone(),
         need: "it must be an address such as 192.168.125.1".to_owned(),
@@ -149,8 +149,8 @@ fn check(options: &LinkRapidOptions) -> Result<(), WriteError> {
 }
 
 /// With the longest of our suffixes a name is as long as a word may be.
-const LONGEST_NAME: usize = 20;
-const LONGEST_WORD: usize = 32;
+const MAX_NAME: usize = 20;
+const MAX_WORD: usize = 32;
 
 /// The template with `@words@` replaced.
 fn filled(template: &str, options: &LinkRapidOptions) -> String {

@@ -5,7 +5,7 @@ use super::{
     FILAMENT_STEP, NAMED_TURN_RAD_S, NO_AXIS, NO_MASS, RapidAcceleration, RapidTool, RapidWorkObject, SPEEDS, TOOL0,
     WOBJ0, ZONES,
 };
-use crate::program::check::LARGEST;
+use crate::program::check::MAX_NUMBER;
 use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{ConfData, ExternalAxes, HeadSignal, Payload, ReadError, Speed, Step, Target, Zone};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
@@ -24,7 +24,7 @@ const DECLARATIONS: usize = 1_000_000;
 /// What `vmax` is read as, mm/s: the fastest speed that has a number.
 const VMAX_MM_S: f64 = 7000.0;
 /// No controller has more, in kg.
-const HEAVIEST: f64 = 1e5;
+const MAX_MASS_KG: f64 = 1e5;
 
 /// Something in a program that was read in a way that the reader of it should know. Lines and columns count from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -248,7 +248,7 @@ impl Data {
         let frame = self.pose(tokens)?;
         tokens.marks(",[")?;
         // A tool that was made at the pendant has -1 until it is set.
-        let mass_kg = tokens.within("a mass in kg", -1.0, HEAVIEST)?;
+        let mass_kg = tokens.within("a mass in kg", -1.0, MAX_MASS_KG)?;
         tokens.marks(",")?;
         let centre = Point3::from(tokens.numbers::<3>("a coordinate")?);
         tokens.marks(",")?;
@@ -356,7 +356,7 @@ impl Data {
         let mut by = [0.0; 3];
         for value in &mut by {
             tokens.marks(",")?;
-            *value = tokens.within("an offset", -LARGEST, LARGEST)?;
+            *value = tokens.within("an offset", -MAX_NUMBER, MAX_NUMBER)?;
         }
         tokens.marks(")")?;
         let by = Translation3::from(by);
@@ -454,7 +454,7 @@ fn external(tokens: &mut Tokens<impl BufRead>) -> Result<Option<ExternalAxes>, R
         if value > 0.9 * NO_AXIS && value < 1.1 * NO_AXIS {
             continue;
         }
-        if value.abs() > LARGEST {
+        if value.abs() > MAX_NUMBER {
             return Err(tokens.wrong("the value of an external axis", value));
         }
         *axis = Some(value.to_radians());

@@ -3,7 +3,7 @@
 use super::RapidAcceleration;
 use super::data::{Data, truth};
 use super::op::Op;
-use crate::program::check::LARGEST;
+use crate::program::check::MAX_NUMBER;
 use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{ExternalAxes, Goal, HeadInput, HeadSignal, Move, ReadError, Speed, Step, Zone};
 use std::io::BufRead;
@@ -41,7 +41,7 @@ pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result
         let is_line = tokens.is_word(token, "MoveL");
         concurrent(tokens, data)?;
         let (target, external) = data.target_or_name(tokens)?;
-        let goal = if is_line { Goal::Line(target) } else { Goal::Swing(target) };
+        let goal = if is_line { Goal::Line(target) } else { Goal::JointMove(target) };
         return step(rest(tokens, data, goal, external, None)?);
     }
     if tokens.is_word(token, "SetDO") {
@@ -50,7 +50,7 @@ pub(super) fn next(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result
     if tokens.is_word(token, "SetAO") {
         data.use_signal(tokens, 1)?;
         tokens.marks(",")?;
-        let mm_s = tokens.within("a speed of the filament", 0.0, LARGEST)?;
+        let mm_s = tokens.within("a speed of the filament", 0.0, MAX_NUMBER)?;
         tokens.marks(";")?;
         return step(Step::FilamentSpeed(mm_s));
     }
@@ -87,49 +87,14 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
             tokens.marks(";")?;
             Ok(Op::Step(Step::FilamentSpeed(mm_s)))
         }
-        "waitdi" => {
-            let name = tokens.name("the signal")?;
-            let Some(input) = HeadInput::ALL.into_iter().find(|input| input.rapid().eq_ignore_ascii_case(&name)) else {
-                skip(tokens)?;
-                data.warn(place, "WaitDI is passed over: steps wait for the inputs of a tape head alone");
-                return Ok(Op::Nothing);
-            };
-            tokens.marks(",")?;
-            if !digital_value(tokens)? {
-                return Err(tokens.unexpected_at(place, "a wait for 1", &word));
-            }
-            tokens.marks(";")?;
-            Ok(Op::Step(Step::Wait(input)))
-        }
+        "waitdi" => wait_digital(tokens, data, place, &word),
         "triggequip" | "triggio" => {
             let (name, trigger) = trigger(tokens, data, place, &word)?;
             data.triggers.insert(name, trigger);
             Ok(Op::Nothing)
         }
-        kind @ ("triggl" | "triggj") => {
-            concurrent(tokens, data)?;
-            let (target, external) = data.target_or_name(tokens)?;
-            let goal = if kind == "triggl" { Goal::Line(target) } else { Goal::Swing(target) };
-            let mut triggers = Vec::new();
-            let to = rest(tokens, data, goal, external, Some(&mut triggers))?;
-            let at = |begin: bool| triggers.iter().filter(move |trigger| trigger.0 == begin).map(|trigger| trigger.1);
-            data.queue.extend(at(true).chain([to]).chain(at(false)).map(|step| (Op::Step(step), place)));
-            Ok(Op::Nothing)
-        }
-        "confl" | "confj" => {
-            tokens.marks("\\")?;
-            let to = tokens.name("On or Off")?;
-            if to.eq_ignore_ascii_case("Off") {
-                data.warn(
-                    place,
-                    format!("{word}\\Off: the controller may take other configurations than the targets have"),
-                );
-            } else if !to.eq_ignore_ascii_case("On") {
-                return Err(tokens.unexpected_at(tokens.place(), "On or Off", &to));
-            }
-            tokens.marks(";")?;
-            Ok(Op::Nothing)
-        }
+        kind @ ("triggl" | "triggj") => triggered_move(tokens, data, kind == "triggl", place),
+        "confl" | "confj" => configuration_control(tokens, data, place, &word),
         "accset" | "pathacclim" | "worldacclim" => {
             acceleration(tokens, data, place, &word)?;
             Ok(Op::Nothing)
@@ -144,33 +109,99 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
             file(tokens)?;
             Ok(Op::UnLoad)
         }
-        "error" | "backward" | "undo" => {
-            // Handlers: no step comes out of them while all goes well.
-            loop {
-                let token = tokens.next()?;
-                if tokens.is_word(token, "ENDPROC") {
-                    return Ok(Op::End);
-                }
-                if token == Token::End {
-                    return Err(tokens.unexpected("ENDPROC", token));
-                }
-            }
+        "error" | "backward" | "undo" => handlers(tokens),
+        _ => passed_or_called(tokens, data, place, word),
+    }
+}
+
+/// `WaitDI doTapeReady,1;`. Only the inputs of a tape head become steps: of others nobody knows what they are for.
+fn wait_digital(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<Op, ReadError> {
+    let name = tokens.name("the signal")?;
+    let Some(input) = HeadInput::ALL.into_iter().find(|input| input.rapid().eq_ignore_ascii_case(&name)) else {
+        skip(tokens)?;
+        data.warn(place, "WaitDI is passed over: steps wait for the inputs of a tape head alone");
+        return Ok(Op::Nothing);
+    };
+    tokens.marks(",")?;
+    if !digital_value(tokens)? {
+        return Err(tokens.unexpected_at(place, "a wait for 1", word));
+    }
+    tokens.marks(";")?;
+    Ok(Op::Step(Step::Wait(input)))
+}
+
+/// A move with triggers: the signals of its begin, the move, the signals of its end, in this order.
+fn triggered_move(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    is_line: bool,
+    place: (u64, u64),
+) -> Result<Op, ReadError> {
+    concurrent(tokens, data)?;
+    let (target, external) = data.target_or_name(tokens)?;
+    let goal = if is_line { Goal::Line(target) } else { Goal::JointMove(target) };
+    let mut triggers = Vec::new();
+    let to = rest(tokens, data, goal, external, Some(&mut triggers))?;
+    let at = |begin: bool| triggers.iter().filter(move |trigger| trigger.0 == begin).map(|trigger| trigger.1);
+    data.queue.extend(at(true).chain([to]).chain(at(false)).map(|step| (Op::Step(step), place)));
+    Ok(Op::Nothing)
+}
+
+/// `ConfL\Off;`. Steps have configuration data, so that what switches their use off is worth a warning.
+fn configuration_control(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: &str,
+) -> Result<Op, ReadError> {
+    tokens.marks("\\")?;
+    let to = tokens.name("On or Off")?;
+    if to.eq_ignore_ascii_case("Off") {
+        data.warn(place, format!("{word}\\Off: the controller may take other configurations than the targets have"));
+    } else if !to.eq_ignore_ascii_case("On") {
+        return Err(tokens.unexpected_at(tokens.place(), "On or Off", &to));
+    }
+    tokens.marks(";")?;
+    Ok(Op::Nothing)
+}
+
+/// Handlers at the end of a procedure: no step comes out of them while all goes well.
+fn handlers(tokens: &mut Tokens<impl BufRead>) -> Result<Op, ReadError> {
+    loop {
+        let token = tokens.next()?;
+        if tokens.is_word(token, "ENDPROC") {
+            return Ok(Op::End);
         }
-        _ => {
-            if let Some((_, reason)) = PASSED.iter().find(|(known, _)| known.eq_ignore_ascii_case(&word)) {
-                skip(tokens)?;
-                if let Some(reason) = reason {
-                    data.warn(place, *reason);
-                }
-                return Ok(Op::Nothing);
-            }
-            if tokens.peek()? == Token::Mark(b';') {
-                tokens.next()?;
-                return Ok(Op::Call(word));
-            }
-            Err(tokens.unexpected_at(place, KNOWN, &word))
+        if token == Token::End {
+            return Err(tokens.unexpected("ENDPROC", token));
         }
     }
+}
+
+/// An instruction that changes no step, else a call of a procedure without arguments.
+fn passed_or_called(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    place: (u64, u64),
+    word: String,
+) -> Result<Op, ReadError> {
+    if let Some((_, reason)) = PASSED.iter().find(|(known, _)| known.eq_ignore_ascii_case(&word)) {
+        skip(tokens)?;
+        if let Some(reason) = reason {
+            data.warn(place, *reason);
+        }
+        return Ok(Op::Nothing);
+    }
+    if tokens.peek()? == Token::Mark(b';') {
+        tokens.next()?;
+        return Ok(Op::Call(word));
+    }
+    Err(tokens.unexpected_at(place, KNOWN, &word))
 }
 
 /// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What nobody has set is as on a
@@ -186,15 +217,15 @@ fn acceleration(
     let limit = |tokens: &mut Tokens<_>| tokens.positive("an acceleration in m/s2", 1.0);
     match word.to_ascii_lowercase().as_str() {
         "accset" => {
-            set.percent = tokens.within("a share in percent", 0.0, LARGEST)?;
+            set.percent = tokens.within("a share in percent", 0.0, MAX_NUMBER)?;
             tokens.marks(",")?;
-            set.ramp_percent = tokens.within("a share in percent", 0.0, LARGEST)?;
+            set.ramp_percent = tokens.within("a share in percent", 0.0, MAX_NUMBER)?;
             if let Some(name) = option(tokens)? {
                 if name != "finepointramp" {
                     return unknown_option(tokens, "FinePointRamp", &name);
                 }
                 tokens.marks(":=")?;
-                tokens.within("a share in percent", 0.0, LARGEST)?;
+                tokens.within("a share in percent", 0.0, MAX_NUMBER)?;
                 data.warn(place, "FinePointRamp is passed over");
             }
         }
@@ -251,7 +282,7 @@ fn group_speed(
             return Err(tokens.unexpected_at(place, expected, word));
         }
     };
-    if mm_s > LARGEST { Err(tokens.wrong("a speed of the filament", mm_s)) } else { Ok(mm_s) }
+    if mm_s > MAX_NUMBER { Err(tokens.wrong("a speed of the filament", mm_s)) } else { Ok(mm_s) }
 }
 
 /// `TriggEquip name,0\Start,0.05\DOp:=doName,1;` or `TriggIO name,0\Start\DOp:=doName,1;`: the name in lower case, whether it comes at the
@@ -264,7 +295,7 @@ fn trigger(
 ) -> Result<(String, (bool, Step)), ReadError> {
     let name = tokens.name("the name of a trigger")?.to_ascii_lowercase();
     tokens.marks(",")?;
-    let mut is_there = tokens.within("a distance", 0.0, LARGEST)? <= 0.0;
+    let mut is_there = tokens.within("a distance", 0.0, MAX_NUMBER)? <= 0.0;
     let mut begin = false;
     let mut output = option(tokens)?;
     while let Some(found @ ("start" | "time")) = output.as_deref() {
@@ -274,7 +305,7 @@ fn trigger(
     }
     if word.eq_ignore_ascii_case("TriggEquip") {
         tokens.marks(",")?;
-        tokens.within("a lag in seconds", -LARGEST, LARGEST)?;
+        tokens.within("a lag in seconds", -MAX_NUMBER, MAX_NUMBER)?;
         output = option(tokens)?;
     }
     if !is_there {
@@ -293,7 +324,7 @@ fn trigger(
         data.use_signal(tokens, 1)?;
         tokens.marks(",")?;
         Step::FilamentSpeed(match output.as_str() {
-            "aop" => tokens.within("a speed of the filament", 0.0, LARGEST)?,
+            "aop" => tokens.within("a speed of the filament", 0.0, MAX_NUMBER)?,
             _ => group_speed(tokens, data, place, word)?,
         })
     };

@@ -132,7 +132,7 @@ pub(super) fn next_procedure(tokens: &mut Tokens<impl BufRead>, data: &mut Data)
     }
 }
 
-/// `ENDMODULE` and nothing more.
+/// `ENDMODULE`, then the end of the file.
 pub(super) fn end(tokens: &mut Tokens<impl BufRead>) -> Result<(), ReadError> {
     tokens.expect_word("ENDMODULE")?;
     match tokens.next()? {

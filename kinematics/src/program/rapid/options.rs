@@ -7,9 +7,9 @@ use crate::program::{HeadInput, HeadSignal, WriteError};
 use nalgebra::Isometry3;
 
 /// Longest name of a program: with `_`, seven digits and `_run` it is as long as a word may be.
-const LONGEST_NAME: usize = 20;
+const MAX_NAME: usize = 20;
 /// Longest name in RAPID.
-const LONGEST_WORD: usize = 32;
+const MAX_WORD: usize = 32;
 
 /// Whether a program can be written so.
 pub(super) fn check_options(options: &RapidOptions) -> Result<(), WriteError> {
@@ -64,20 +64,20 @@ fn check_acceleration(acceleration: &RapidAcceleration) -> Result<(), WriteError
 
 fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
     let (tool, work) = (&options.tool, &options.work_object);
-    check_name(Language::Rapid, "name", &options.name, LONGEST_NAME)?;
+    check_name(Language::Rapid, "name", &options.name, MAX_NAME)?;
     let mut names = vec![("name", options.name.as_str())];
     for (what, name, installed) in [("tool.name", &tool.name, TOOL0), ("work_object.name", &work.name, WOBJ0)] {
         if name != installed {
-            check_name(Language::Rapid, what, name, LONGEST_WORD)?;
+            check_name(Language::Rapid, what, name, MAX_WORD)?;
         }
         names.push((what, name));
     }
     for (what, name) in [("signal", &options.signal), ("filament_signal", &options.filament_signal)] {
-        check_name(Language::Rapid, what, name, LONGEST_WORD)?;
+        check_name(Language::Rapid, what, name, MAX_WORD)?;
         names.push((what, name));
     }
     if let Some(unit) = &work.unit {
-        check_name(Language::Rapid, "work_object.unit", unit, LONGEST_WORD)?;
+        check_name(Language::Rapid, "work_object.unit", unit, MAX_WORD)?;
         names.push(("work_object.unit", unit));
     }
     names.extend(HeadSignal::ALL.map(|signal| ("signal of a tape head", signal.rapid())));
@@ -94,7 +94,7 @@ fn check_names(options: &RapidOptions) -> Result<(), WriteError> {
     }
     // A folder such as `HOME:` or `HOME:/parts`.
     let folder: String = options.folder.chars().filter(|c| !matches!(c, ':' | '/' | '-' | '.')).collect();
-    check_form("folder", &folder, LONGEST_WORD).map_err(|_| WriteError::Name {
+    check_form("folder", &folder, MAX_WORD).map_err(|_| WriteError::Name {
         what: "folder",
         name: options.folder.clone(),
         need: "it must be like `HOME:` or `HOME:/parts`".to_owned(),

@@ -78,7 +78,7 @@ pub fn write_rapid<W: Write>(
     let mut used = Used::default();
     let end = format!(",{}\\WObj:={};\n", options.tool.name, options.work_object.name);
     let mut module: Option<Module<W>> = None;
-    // By the digital output; by the speed of the filament where there is none.
+    // Switched by the digital output, or by the speed of the filament in a program without one.
     let (mut on, mut fed, mut head) = (None, false, [false; HeadSignal::ALL.len()]);
     let on_path = options.switching != RapidSwitching::Between;
     // What waits for the line behind it.
@@ -292,7 +292,7 @@ fn write_move(text: &mut Text, to: &Move, signals: &[Step], end: &str) {
             let word = if signals.is_empty() { "    MoveL " } else { "    TriggL " };
             write_target(text.word(word), target, to.table);
         }
-        Goal::Swing(target) => write_target(text.word("    MoveJ "), target, to.table),
+        Goal::JointMove(target) => write_target(text.word("    MoveJ "), target, to.table),
         Goal::Joints(joints) => {
             text.word("    MoveAbsJ [").list(&joints.map(f64::to_degrees), DEGREES);
             write_table(text, to.table);

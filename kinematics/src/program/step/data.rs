@@ -10,7 +10,7 @@ pub enum Goal {
     /// The tool goes in a straight line: `MoveL`, `movel` or `movep`.
     Line(Target),
     /// All joints arrive together, the tool on a curve: `MoveJ`, `movej` to a pose.
-    Swing(Target),
+    JointMove(Target),
     /// The same to given joints: `MoveAbsJ`, `movej` to joints.
     Joints([f64; 6]),
 }

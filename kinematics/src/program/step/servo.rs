@@ -60,7 +60,7 @@ pub enum ResampleError {
 }
 
 /// Longest time between two samples: a mistyped time must not become a stream without end.
-const LONGEST_S: f64 = 3600.0;
+const MAX_GAP_S: f64 = 3600.0;
 
 /// Resamples a trajectory: the joints at `k / rate` after the first sample, from `k = 0` until the last sample is
 /// reached. The extruder's changes come before the first step at or after their sample. A single sample is one step.
@@ -121,7 +121,7 @@ impl<I: Iterator<Item = TimedJoints>> Resampler<I> {
         }
         let before_s = self.window.back().map_or(f64::NEG_INFINITY, |last| last.time_s);
         let gap = sample.time_s - before_s;
-        let later = sample.time_s.is_finite() && gap > 0.0 && (gap <= LONGEST_S || self.window.is_empty());
+        let later = sample.time_s.is_finite() && gap > 0.0 && (gap <= MAX_GAP_S || self.window.is_empty());
         if !later {
             return Err(ResampleError::Time { index, time_s: sample.time_s, before_s });
         }

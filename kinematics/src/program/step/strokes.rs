@@ -57,7 +57,7 @@ pub fn strokes<'a>(
     strokes.into_iter().flat_map(move |stroke| {
         let ends = stroke.first().zip(stroke.last()).map(|(first, last)| {
             let above = match lift(first) {
-                Goal::Line(target) => Goal::Swing(target),
+                Goal::Line(target) => Goal::JointMove(target),
                 other => other,
             };
             (above, *first, lift(last))

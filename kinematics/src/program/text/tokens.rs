@@ -1,10 +1,10 @@
 //! Words and numbers on their way out of a file, with the place of each; memory is one line.
 
-use crate::program::check::LARGEST;
+use crate::program::check::MAX_NUMBER;
 use std::io::{self, BufRead};
 
 /// Longest line that is read, in bytes: our lines have less than 400, and nobody's file may fill the memory.
-const LONGEST_LINE: usize = 16 * 1024;
+const MAX_LINE: usize = 16 * 1024;
 
 /// What some editors put before a text in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -161,8 +161,8 @@ impl<R: BufRead> Tokens<R> {
             any = true;
             let end = held.iter().position(|&byte| byte == b'\n');
             let part = &held[..end.unwrap_or(held.len())];
-            if self.line.len() + part.len() > LONGEST_LINE {
-                return Err(ReadError::LineTooLong { line: self.row + 1, most: LONGEST_LINE });
+            if self.line.len() + part.len() > MAX_LINE {
+                return Err(ReadError::LineTooLong { line: self.row + 1, most: MAX_LINE });
             }
             self.line.extend_from_slice(part);
             let used = part.len() + usize::from(end.is_some());
@@ -369,7 +369,7 @@ impl<R: BufRead> Tokens<R> {
     /// A number above zero, up to what writers take in a file of this unit: so many times.
     pub fn positive(&mut self, what: &'static str, unit: f64) -> Result<f64, ReadError> {
         let value = self.number()?;
-        if value > 0.0 && value * unit <= LARGEST { Ok(value * unit) } else { Err(self.wrong(what, value)) }
+        if value > 0.0 && value * unit <= MAX_NUMBER { Ok(value * unit) } else { Err(self.wrong(what, value)) }
     }
 
     /// `[a, b, ...]` with exactly `N` numbers, none beyond what writers take.
@@ -380,7 +380,7 @@ impl<R: BufRead> Tokens<R> {
             if k > 0 {
                 self.marks(",")?;
             }
-            *value = self.within(what, -LARGEST, LARGEST)?;
+            *value = self.within(what, -MAX_NUMBER, MAX_NUMBER)?;
         }
         self.marks("]")?;
         Ok(values)

@@ -1,7 +1,7 @@
 //! URScript, read. [`UrScriptReader`] states what it knows.
 
 use super::{FRAMES, FULL_SCALE, MM_PER_M};
-use crate::program::check::LARGEST;
+use crate::program::check::MAX_NUMBER;
 use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{
     ConfData, Goal, HeadInput, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, step::until_error,
@@ -65,7 +65,7 @@ impl<R: BufRead> UrScriptReader<R> {
         if tokens.is_word(token, "set_payload") {
             tokens.next()?;
             tokens.marks("(")?;
-            let mass_kg = tokens.within("a mass in kg", 0.0, LARGEST)?;
+            let mass_kg = tokens.within("a mass in kg", 0.0, MAX_NUMBER)?;
             tokens.marks(",")?;
             let centre = tokens.numbers::<3>("a coordinate")?.map(|metres| metres * MM_PER_M);
             tokens.marks(")")?;
@@ -119,7 +119,7 @@ fn step(
             tokens.marks("(")?;
             let goal = match tokens.peek()? {
                 Token::Mark(b'[') => Goal::Joints(tokens.numbers("a joint")?),
-                _ => Goal::Swing(target(tokens, part_in_hand)?),
+                _ => Goal::JointMove(target(tokens, part_in_hand)?),
             };
             let [rad_s, radius] = speed_and_blend(tokens, 1.0)?;
             return Ok(Some(step_of(goal, Speed { rad_s, ..Speed::default() }, radius)));
@@ -235,7 +235,7 @@ fn speed_and_blend(tokens: &mut Tokens<impl BufRead>, unit: f64) -> Result<[f64;
     argument(tokens, "v")?;
     let speed = tokens.positive("a speed", unit)?;
     argument(tokens, "r")?;
-    let radius = tokens.within("a radius", 0.0, LARGEST / MM_PER_M)? * MM_PER_M;
+    let radius = tokens.within("a radius", 0.0, MAX_NUMBER / MM_PER_M)? * MM_PER_M;
     tokens.marks(")")?;
     Ok([speed, radius])
 }
@@ -261,9 +261,9 @@ fn pose(tokens: &mut Tokens<impl BufRead>) -> Result<Isometry3<f64>, ReadError> 
             tokens.marks(",")?;
         }
         *value = if k < 3 {
-            tokens.within("a coordinate in metres", -LARGEST / MM_PER_M, LARGEST / MM_PER_M)? * MM_PER_M
+            tokens.within("a coordinate in metres", -MAX_NUMBER / MM_PER_M, MAX_NUMBER / MM_PER_M)? * MM_PER_M
         } else {
-            tokens.within("a rotation in radians", -LARGEST, LARGEST)?
+            tokens.within("a rotation in radians", -MAX_NUMBER, MAX_NUMBER)?
         };
     }
     tokens.marks("]")?;

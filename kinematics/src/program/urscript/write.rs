@@ -1,7 +1,7 @@
 //! URScript, written.
 
 use super::{DECIMALS, FRAMES, FULL_SCALE, MM_PER_M, Straight, UrScriptOptions};
-use crate::program::check::{Checker, LEAST, check_frame, check_option, check_payload};
+use crate::program::check::{Checker, MIN_NUMBER, check_frame, check_option, check_payload};
 use crate::program::text::Text;
 use crate::program::text::names::{Language, check_name};
 use crate::program::{Goal, HeadInput, HeadSignal, Move, ProgramLimits, Step, WriteError, Zone};
@@ -137,7 +137,7 @@ struct Pending {
     behind: Text,
 }
 
-/// The program as far as it is written.
+/// The part of the program that is written already.
 struct Program<'a> {
     options: &'a UrScriptOptions,
     text: Text,
@@ -282,7 +282,7 @@ impl<'a> Program<'a> {
         let room = BLEND_SHARE * way((from, at)).min(way((at, next)));
         let reduced = if room >= radius {
             radius
-        } else if room >= LEAST {
+        } else if room >= MIN_NUMBER {
             self.written.blends_reduced += 1;
             room
         } else {
@@ -332,7 +332,7 @@ impl<'a> Program<'a> {
     fn place_of(&self, goal: &Goal) -> Option<Place> {
         let options = self.options;
         let (base_tcp, work_tool) = match goal {
-            Goal::Line(target) | Goal::Swing(target) => {
+            Goal::Line(target) | Goal::JointMove(target) => {
                 (frames(options).0 * written_pose(options, &target.pose), target.pose)
             }
             Goal::Joints(joints) => {
@@ -354,13 +354,13 @@ impl<'a> Program<'a> {
             }
             _ => 1.0,
         };
-        let mm_s = (to.speed.mm_s * factor).clamp(LEAST, options.limits.speed_mm_s.max(LEAST));
+        let mm_s = (to.speed.mm_s * factor).clamp(MIN_NUMBER, options.limits.speed_mm_s.max(MIN_NUMBER));
         let tool = [options.acceleration_mm_s2 / MM_PER_M, mm_s / MM_PER_M];
         let joints = [options.acceleration_rad_s2, to.speed.rad_s];
         let (word, target, [a, v]) = match &to.goal {
             Goal::Line(target) if options.straight == Straight::MoveL => ("  movel(", Some(target), tool),
             Goal::Line(target) => ("  movep(", Some(target), tool),
-            Goal::Swing(target) => ("  movej(", Some(target), joints),
+            Goal::JointMove(target) => ("  movej(", Some(target), joints),
             Goal::Joints(goal) => {
                 text.word("  movej(").list(goal, DECIMALS);
                 ("", None, joints)

@@ -88,7 +88,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
     let target = (pose, conf).prop_map(|(pose, conf)| Target { pose, conf });
     let goal = prop_oneof![
         target.clone().prop_map(Goal::Line),
-        target.prop_map(Goal::Swing),
+        target.prop_map(Goal::JointMove),
         prop::array::uniform6(-6.0..6.0f64).prop_map(Goal::Joints),
     ];
     let axes = prop::array::uniform6(prop::option::of(-6.0..6.0f64)).prop_map(ExternalAxes::new);
@@ -491,7 +491,7 @@ fn triggers_of_people_are_read() {
     let (steps, warnings) = program(&all);
     let steps = steps.unwrap();
     assert_eq!((steps.len(), steps[0], warnings), (3, Step::FilamentSpeed(2.0), 0));
-    assert!(matches!(steps[1], Step::Move(Move { goal: Goal::Swing(_), zone: Zone::Blend(10.0), .. })));
+    assert!(matches!(steps[1], Step::Move(Move { goal: Goal::JointMove(_), zone: Zone::Blend(10.0), .. })));
     assert_eq!(steps[2], Step::Signal { signal: HeadSignal::Cut, on: true });
     for far in ["TriggIO glue,5\\DOp:=doGlue,1;", "TriggIO glue,0\\Time\\DOp:=doGlue,1;"] {
         let (steps, warnings) = program(&format!("{far} TriggL {target},v100,glue,fine,tool0;"));
@@ -545,7 +545,7 @@ fn a_program_of_people_is_read() {
     let [stop, blend] = [Zone::Stop, Zone::Blend(10.0)];
     assert_eq!(zones, [Zone::Blend(50.0), stop, blend, Zone::Blend(2.5), stop, stop, stop]);
     let place = |to: &Move| match to.goal {
-        Goal::Line(target) | Goal::Swing(target) => target.pose.translation.vector,
+        Goal::Line(target) | Goal::JointMove(target) => target.pose.translation.vector,
         Goal::Joints(joints) => Vector3::new(joints[0], joints[1], joints[4]).map(f64::to_degrees),
     };
     let near = |k: usize, x: f64, y: f64, z: f64| (place(&moves[k]) - Vector3::new(x, y, z)).norm() < 1e-9;

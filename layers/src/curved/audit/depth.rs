@@ -23,7 +23,7 @@ const KEPT_LAYERS: u32 = 8;
 #[derive(Clone, Copy)]
 pub(super) struct Question {
     /// Depth from which a point is inside, in 1/1024 of a cell.
-    pub(super) eps: u32,
+    pub(super) inside_depth: u32,
     /// Whether a point at exactly that depth is inside.
     pub(super) closed: bool,
     /// Hulls are hulls in the plane of x and z.
@@ -35,8 +35,8 @@ pub(super) struct Question {
 impl Question {
     /// That of the rules.
     pub(super) fn of(rules: &Rules, platform: &Platform) -> Result<Self, RulesError> {
-        let (eps, closed, flat) = (rules.eps_in_1024ths()?, rules.eps_is_inside, rules.flat);
-        Ok(Question { eps, closed, flat, reaches_down: platform.reaches_down() })
+        let (inside_depth, closed, flat) = (rules.inside_depth_in_1024ths()?, rules.boundary_is_inside, rules.flat);
+        Ok(Question { inside_depth, closed, flat, reaches_down: platform.reaches_down() })
     }
 
     /// Whether the hull can be bounded in the direction `n`.
@@ -47,7 +47,7 @@ impl Question {
     /// The least integer that is not below `2 eps |n|`, or the least above it if a point at that depth is not inside.
     fn margin(&self, n: Vec3) -> i64 {
         let norm2: u128 = n.iter().map(|&x| u128::from(x.unsigned_abs()).pow(2)).sum();
-        let square = u128::from(self.eps).pow(2) * norm2; // (1024 eps |n|)^2
+        let square = u128::from(self.inside_depth).pow(2) * norm2; // (1024 eps |n|)^2
         let root = square.isqrt();
         match self.closed {
             true => (root + u128::from(root * root < square)).div_ceil(512) as i64,

@@ -1,8 +1,9 @@
 //! When a cell can be built: what it stands on, and what shadows it.
 //!
-//! Data first ([`rules`], [`mould`], [`platform`]), then the hull of what is built ([`body`]), what stands on the platform ([`standing`]), which cells lie at the
-//! surface of the hull ([`shell`]), and which ones are about to be shadowed ([`watch`]).
+//! Data first ([`rules`], [`mould`], [`platform`]), then the hull of what is built ([`body`]), what stands on the platform ([`supported`]), which cells lie at the
+//! surface of the hull ([`shell`]), and which ones are about to be shadowed ([`accessibility`]).
 
+pub(crate) mod accessibility;
 pub(crate) mod body;
 pub(crate) mod mould;
 mod on_mould;
@@ -10,5 +11,4 @@ pub(crate) mod platform;
 pub(crate) mod rules;
 pub(crate) mod runs;
 pub(crate) mod shell;
-pub(crate) mod standing;
-pub(crate) mod watch;
+pub(crate) mod supported;

@@ -17,7 +17,7 @@ pub(crate) struct Mould {
 }
 
 /// A centre is so far from the mesh at least, in cells: none is on its base before the base.
-const LEAST_HEIGHT: f64 = 1e-3;
+const MIN_HEIGHT: f64 = 1e-3;
 
 impl Mould {
     pub(crate) fn cells(&self) -> Cells<'_> {
@@ -42,6 +42,6 @@ impl Mould {
     /// How far that is, in cells.
     pub(crate) fn height(&self, cell: u32) -> Option<f64> {
         let height = (self.nearest(cell)? - self.cells().centre(cell)).norm();
-        Some(height.max(LEAST_HEIGHT))
+        Some(height.max(MIN_HEIGHT))
     }
 }

@@ -153,7 +153,7 @@ impl Platform {
 impl Rules {
     /// Checks the rules against the size of a grid, and the platform against the cells.
     pub(crate) fn check(&self, cells: &Cells, platform: &Platform) -> Result<(), RulesError> {
-        self.eps_in_1024ths()?;
+        self.inside_depth_in_1024ths()?;
         match cells.dims() {
             [_, ny, _] if self.flat && ny != 1 => Err(RulesError::NotFlat { ny }),
             _ => platform.check(cells),

@@ -1,7 +1,7 @@
 //! The rules an order of cells has to keep: who supports whom, and what counts as inside.
 //!
 //! Dai 2020, Definitions 1 to 3 in section 3.4.1; Boge 2019, Definition 3 and section 6.1.1.
-//! Symbols: `N(v)` is [`Neighbours::offsets`], the paper's epsilon is [`Rules::eps`].
+//! Symbols: `N(v)` is [`Neighbours::offsets`], the paper's epsilon is [`Rules::inside_depth_cells`].
 
 use curvlay_hull::Depth;
 
@@ -52,11 +52,11 @@ const ONE_NORM: [[i32; 3]; 24] = [
 pub struct Rules {
     /// Depth below the surface of the hull from which a cell centre counts as inside, in cells; 0 means that a
     /// centre on the surface is inside (Boge's rule). Taken to the nearest 1/1024 of a cell. Default 1.
-    pub eps: f64,
+    pub inside_depth_cells: f64,
     /// Whether a centre at exactly the depth `eps` counts as inside. Default true: Dai's Definition 3 to the letter (`d >= eps`).
     /// Under flat facets cells lie at depths of whole cells, so with a whole `eps` this decides for many of them; with `false`
     /// they can be built.
-    pub eps_is_inside: bool,
+    pub boundary_is_inside: bool,
     /// Which cells support a cell.
     pub neighbours: Neighbours,
     /// The object is two-dimensional: the grid is one cell deep in y, and each cell stands for a bar along y
@@ -66,7 +66,7 @@ pub struct Rules {
 
 impl Default for Rules {
     fn default() -> Self {
-        Rules { eps: 1.0, eps_is_inside: true, neighbours: Neighbours::default(), flat: false }
+        Rules { inside_depth_cells: 1.0, boundary_is_inside: true, neighbours: Neighbours::default(), flat: false }
     }
 }
 
@@ -74,11 +74,11 @@ impl Default for Rules {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RulesError {
-    /// The depth is negative, not a number, or more than [`Rules::MAX_EPS`].
-    #[error("eps is {eps} cells, it must lie between 0 and {}", Rules::MAX_EPS)]
-    Eps {
+    /// The depth is negative, not a number, or more than [`Rules::MAX_INSIDE_DEPTH_CELLS`].
+    #[error("the depth inside the hull (eps) is {cells} cells: it must be from 0 to {}", Rules::MAX_INSIDE_DEPTH_CELLS)]
+    InsideDepth {
         /// The depth that was asked for.
-        eps: f64,
+        cells: f64,
     },
     /// A two-dimensional object in a grid that is more than one cell deep.
     #[error("a flat object must be one cell deep in y, this grid is {ny} deep")]
@@ -105,24 +105,24 @@ pub enum RulesError {
 impl Rules {
     /// Largest depth that is accepted, in cells: beyond it nothing is protected from a collision any more, and
     /// the squares that decide ties no longer fit 128 bits.
-    pub const MAX_EPS: f64 = 16.0;
+    pub const MAX_INSIDE_DEPTH_CELLS: f64 = 16.0;
 
     /// The depth in units of 1/1024 of a cell, once it is known to be sound.
     ///
     /// # Errors
-    /// [`RulesError::Eps`] for a depth that is negative, not finite or too large.
-    pub fn eps_in_1024ths(&self) -> Result<u32, RulesError> {
-        if !(0.0..=Self::MAX_EPS).contains(&self.eps) {
-            return Err(RulesError::Eps { eps: self.eps });
+    /// [`RulesError::InsideDepth`] for a depth that is negative, not finite or too large.
+    pub fn inside_depth_in_1024ths(&self) -> Result<u32, RulesError> {
+        if !(0.0..=Self::MAX_INSIDE_DEPTH_CELLS).contains(&self.inside_depth_cells) {
+            return Err(RulesError::InsideDepth { cells: self.inside_depth_cells });
         }
-        Ok((self.eps * 1024.0).round() as u32)
+        Ok((self.inside_depth_cells * 1024.0).round() as u32)
     }
 
     /// From where on a centre is inside, in lattice units: two to a cell.
     pub(crate) fn depth(&self) -> Result<Depth, RulesError> {
-        let units = 2.0 * f64::from(self.eps_in_1024ths()?) / 1024.0;
-        let depth = if self.eps_is_inside { Depth::new(units) } else { Depth::beyond(units) };
-        depth.map_err(|_| RulesError::Eps { eps: self.eps })
+        let units = 2.0 * f64::from(self.inside_depth_in_1024ths()?) / 1024.0;
+        let depth = if self.boundary_is_inside { Depth::new(units) } else { Depth::beyond(units) };
+        depth.map_err(|_| RulesError::InsideDepth { cells: self.inside_depth_cells })
     }
 }
 
@@ -154,14 +154,14 @@ mod tests {
     #[test]
     fn unsound_rules_are_refused() {
         for eps in [-0.1, f64::NAN, f64::INFINITY, 16.1] {
-            let rules = Rules { eps, ..Rules::default() };
-            assert!(matches!(rules.eps_in_1024ths(), Err(RulesError::Eps { .. })), "{eps}");
+            let rules = Rules { inside_depth_cells: eps, ..Rules::default() };
+            assert!(matches!(rules.inside_depth_in_1024ths(), Err(RulesError::InsideDepth { .. })), "{eps}");
         }
         let flat = Rules { flat: true, ..Rules::default() };
         let platform = Platform::segment(0.0, 3.0).unwrap();
         let check = |ny: u32| flat.check(&Cells::new([3, ny, 3], &vec![0; 3 * ny as usize]).unwrap(), &platform);
         assert_eq!(check(2), Err(RulesError::NotFlat { ny: 2 }));
         assert_eq!(check(1), Ok(()));
-        assert_eq!(Rules { eps: 0.5, ..flat }.eps_in_1024ths(), Ok(512));
+        assert_eq!(Rules { inside_depth_cells: 0.5, ..flat }.inside_depth_in_1024ths(), Ok(512));
     }
 }

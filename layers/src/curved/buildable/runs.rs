@@ -5,6 +5,7 @@
 
 use super::rules::Neighbours;
 use crate::cells::CellSet;
+use crate::union_find::UnionFind;
 
 /// The runs of a set of cells, each with the number of the piece that it belongs to.
 pub(crate) struct Runs {
@@ -23,7 +24,7 @@ impl Runs {
     pub(crate) fn new(cells: &CellSet, neighbours: Neighbours) -> Self {
         let [nx, ny, nz] = cells.dims();
         let (first, spans) = runs_of(cells);
-        let mut roots: Vec<u32> = (0..spans.len() as u32).collect();
+        let mut united = UnionFind::new(spans.len());
         let reaches = reaches(neighbours);
         for z in 0..nz {
             for y in 0..ny {
@@ -34,7 +35,7 @@ impl Runs {
                 for &(step, reach) in &reaches {
                     let [there_y, there_z] = [y.wrapping_add_signed(step[0]), z.wrapping_add_signed(step[1])];
                     if there_y < ny && there_z < nz {
-                        join(&spans, runs(y, z), runs(there_y, there_z), reach, &mut roots);
+                        join(&spans, runs(y, z), runs(there_y, there_z), reach, &mut united);
                     }
                 }
             }
@@ -42,7 +43,7 @@ impl Runs {
         let mut pieces = vec![0; spans.len()];
         let mut count = 0;
         for run in 0..spans.len() {
-            let root = root(&mut roots, run as u32) as usize;
+            let root = united.root(run as u32) as usize;
             pieces[run] = if root == run { count } else { pieces[root] };
             count += u32::from(root == run);
         }
@@ -132,12 +133,12 @@ fn join(
     here: std::ops::Range<usize>,
     there: std::ops::Range<usize>,
     reach: u32,
-    roots: &mut [u32],
+    pieces: &mut UnionFind,
 ) {
     if here == there {
         for run in here.skip(1) {
             if spans[run][0] < spans[run - 1][1] + reach {
-                unite(roots, run as u32 - 1, run as u32);
+                pieces.join(run as u32 - 1, run as u32);
             }
         }
         return;
@@ -145,24 +146,10 @@ fn join(
     let (mut a, mut b) = (here.start, there.start);
     while a < here.end && b < there.end {
         if spans[a][0] < spans[b][1] + reach && spans[b][0] < spans[a][1] + reach {
-            unite(roots, a as u32, b as u32);
+            pieces.join(a as u32, b as u32);
         }
         if spans[a][1] < spans[b][1] { a += 1 } else { b += 1 }
     }
-}
-
-fn unite(roots: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(roots, a), root(roots, b));
-    roots[a.max(b) as usize] = a.min(b);
-}
-
-/// The least run that is known to hang together with `run`.
-fn root(roots: &mut [u32], mut run: u32) -> u32 {
-    while roots[run as usize] != run {
-        roots[run as usize] = roots[roots[run as usize] as usize];
-        run = roots[run as usize];
-    }
-    run
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::cells::{CellSet, Cells, set_bits};
 use curvlay_hull::{ConvexHull, Depth, HullError, RowIntervals, RowLattice};
 
 /// Finds skins; the memory for it is used again.
-pub(crate) struct Skin<'a> {
+pub(crate) struct ShellFinder<'a> {
     platform: &'a Platform,
     rules: &'a Rules,
     centres: Centres,
@@ -15,7 +15,7 @@ pub(crate) struct Skin<'a> {
     deep: RowIntervals,
 }
 
-impl<'a> Skin<'a> {
+impl<'a> ShellFinder<'a> {
     /// For sets in the grid of `cells`. `depth` is that from which a cell counts as inside.
     pub(crate) fn new(
         cells: &Cells,
@@ -26,7 +26,7 @@ impl<'a> Skin<'a> {
         let [_, ny, nz] = cells.dims();
         // Corners of the hull belong to the skin at any depth, or eps = 0 would leave nothing to take off.
         let depth = if depth == Depth::SURFACE { Depth::new(1.0 / f64::from(Depth::STEPS))? } else { depth };
-        Ok(Skin {
+        Ok(ShellFinder {
             platform,
             rules,
             centres: Centres::new(cells, rules),

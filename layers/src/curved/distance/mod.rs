@@ -27,7 +27,7 @@ use super::surface::{FieldError, LayerField};
 use crate::cells::{Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::carried;
+use crate::curved::buildable::supported::carried;
 pub use directed::DirectedOptions;
 use nalgebra::Vector3;
 pub use reach::{DistanceOrder, grow_by_distance, grow_by_heights, grow_directed};

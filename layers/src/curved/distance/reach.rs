@@ -19,7 +19,7 @@ use super::{HALF_LAYERS, ON_BASE, OnBase, STEPS_PER_LAYER, base, beside, in_cell
 use crate::cells::{CellSet, Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::{carried, joined};
+use crate::curved::buildable::supported::{carried, joined};
 use crate::parallel::in_parallel;
 use crate::{Progress, ProgressFn};
 use nalgebra::{UnitVector3, Vector3};

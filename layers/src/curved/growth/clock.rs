@@ -15,7 +15,7 @@ use super::{GrowthError, prevention};
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::{Neighbours, Rules};
-use crate::curved::buildable::standing::standing;
+use crate::curved::buildable::supported::supported_by_platform;
 use crate::{Progress, ProgressFn};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -71,7 +71,7 @@ pub(crate) fn grow_by_clock(
     progress: ProgressFn,
 ) -> Result<Clocked, GrowthError> {
     let mut clock = Clock::new(cells, platform, rules, release, stays_level)?;
-    let first = standing(cells, platform, rules)?;
+    let first = supported_by_platform(cells, platform, rules)?;
     clock.front.build_all(&first)?;
     clock.build(&first.iter().map(|&cell| (cell, 0.5)).collect::<Vec<_>>());
     let total = cells.count() as u64;

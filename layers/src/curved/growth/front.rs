@@ -2,11 +2,11 @@
 
 use super::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedReason};
 use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::accessibility::{AccessibilityTracker, Endangered};
 use crate::curved::buildable::body::{self, Centres};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::{joined, standing};
-use crate::curved::buildable::watch::{Endangered, Watch};
+use crate::curved::buildable::supported::{joined, supported_by_platform};
 use curvlay_hull::{ConvexHull, Hint, HullError, Plane};
 use std::collections::BTreeMap;
 
@@ -50,7 +50,7 @@ pub(super) struct Front {
     pub(super) freed: Vec<u32>,
     /// The candidates for the layer in the making.
     pub(super) proposed: CellSet,
-    watch: Watch,
+    watch: AccessibilityTracker,
     /// Where on the hull the last proof was found.
     pub(super) hint: Hint,
     centres: Centres,
@@ -67,7 +67,7 @@ impl Front {
             blocked_by: BTreeMap::new(),
             freed: Vec::new(),
             proposed: CellSet::none(cells),
-            watch: Watch::new(platform.top(), depth),
+            watch: AccessibilityTracker::new(platform.top(), depth),
             hint: Hint::default(),
             centres: Centres::new(cells, rules),
         };
@@ -238,7 +238,7 @@ impl Front {
         let unsupported: Vec<u32> = self.waiting.iter().collect();
         if !unsupported.is_empty() {
             // It could be found when the growth began.
-            let feet = standing(cells, platform, rules).unwrap_or_default();
+            let feet = supported_by_platform(cells, platform, rules).unwrap_or_default();
             let joined = joined(&CellSet::of(cells), &feet, rules.neighbours);
             missed.extend(unsupported.into_iter().map(|cell| {
                 let reason =

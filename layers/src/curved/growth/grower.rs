@@ -7,7 +7,7 @@ use super::{Candidates, Growth, GrowthError, GrowthOptions, GrowthStatistics, Pr
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::standing;
+use crate::curved::buildable::supported::supported_by_platform;
 use std::collections::BTreeMap;
 
 /// The state between two layers.
@@ -37,7 +37,7 @@ impl<'a> Grower<'a> {
         options: &'a GrowthOptions,
         governor: Option<&'a SheetField>,
     ) -> Result<Self, GrowthError> {
-        let first = standing(cells, platform, rules)?;
+        let first = supported_by_platform(cells, platform, rules)?;
         if first.is_empty() {
             return Err(GrowthError::NothingOnPlatform);
         }

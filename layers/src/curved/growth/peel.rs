@@ -11,7 +11,7 @@
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::{Rules, RulesError};
-use crate::curved::buildable::shell::Skin;
+use crate::curved::buildable::shell::ShellFinder;
 use crate::{Progress, ProgressFn};
 use curvlay_hull::HullError;
 
@@ -90,7 +90,7 @@ impl SheetField {
 /// ```
 pub fn peel(cells: &Cells, platform: &Platform, rules: &Rules, progress: ProgressFn) -> Result<SheetField, PeelError> {
     rules.check(cells, platform)?;
-    let mut skin = Skin::new(cells, platform, rules, rules.depth()?)?;
+    let mut skin = ShellFinder::new(cells, platform, rules, rules.depth()?)?;
     let mut rest = CellSet::of(cells);
     let mut sheets = vec![0; cells.grid_len()];
     let (mut left, total) = (cells.count() as u64, cells.count() as u64);

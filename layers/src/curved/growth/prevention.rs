@@ -10,7 +10,7 @@
 use super::GrowthError;
 use super::front::{Front, Protected};
 use super::order::{by_distance, groups};
-use crate::curved::buildable::watch::{Endangered, dot};
+use crate::curved::buildable::accessibility::{Endangered, dot};
 use curvlay_hull::Plane;
 use nalgebra::{Matrix3, Vector3};
 

@@ -24,7 +24,7 @@ use super::{Growth, GrowthError, GrowthStatistics, Prevention};
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::standing;
+use crate::curved::buildable::supported::supported_by_platform;
 use crate::{Progress, ProgressFn};
 use std::collections::BTreeSet;
 
@@ -69,7 +69,7 @@ pub fn grow_as_printed(
     if matches!(prevention, Prevention::FewerThanAll | Prevention::FewerThan(_)) {
         return Err(GrowthError::NotPrinted);
     }
-    let first = standing(cells, platform, rules)?;
+    let first = supported_by_platform(cells, platform, rules)?;
     if first.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }

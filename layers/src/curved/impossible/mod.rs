@@ -20,7 +20,7 @@ use super::growth::GrowthError;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::{joined, standing};
+use crate::curved::buildable::supported::{joined, supported_by_platform};
 use crate::{Progress, ProgressFn};
 use forced::forced_cells;
 use search::{Found, Search};
@@ -88,7 +88,7 @@ pub fn prove_impossible(
     if asked.is_empty() {
         return Ok(Vec::new());
     }
-    let feet = standing(cells, platform, rules)?;
+    let feet = supported_by_platform(cells, platform, rules)?;
     let mut possible = CellSet::of(cells);
     let mut search = Search::new(cells, platform, rules, &feet)?;
     let mut open: Vec<u32> = asked.iter().copied().filter(|&cell| search.is_cell(cell)).collect();

@@ -26,7 +26,7 @@ use super::unbuild::Extremes;
 use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::{joined, standing};
+use crate::curved::buildable::supported::{joined, supported_by_platform};
 use crate::{Progress, ProgressFn};
 pub(crate) use obstacles::Obstacles;
 use removal::{Printed, Removal, any_direction};
@@ -86,7 +86,7 @@ pub fn grow_with_nozzle(
     check_growth(cells, cell_mm, platform, rules, nozzle)?;
     let Growth { mut order, statistics, nozzle: mut directions, .. } = growth;
     if order.is_empty() {
-        let first = standing(cells, platform, rules)?;
+        let first = supported_by_platform(cells, platform, rules)?;
         if !first.is_empty() {
             order.push(first);
         }

@@ -7,7 +7,7 @@ use super::rule::DIRECTIONS;
 use crate::cells::{CellSet, FACES};
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::runs::Runs;
-use crate::curved::buildable::standing::joined;
+use crate::curved::buildable::supported::joined;
 use crate::parallel::in_parallel;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 pub const DIRECTIONS: usize = 256;
 
 /// Lengths beyond this are refused, in millimetres: a nozzle is not ten metres wide.
-const LARGEST: f64 = 1e4;
+const MAX_LENGTH: f64 = 1e4;
 
 /// Lengths that differ by less, in cells, are one.
 pub(super) const ROUNDING: f64 = 1e-9;
@@ -115,7 +115,7 @@ impl NozzleRule {
     pub fn check(&self) -> Result<(), NozzleRuleError> {
         let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin } = *self;
         let lengths = [("tip flat", tip_flat_mm), ("cone", cone_height_mm), ("block", block_mm)];
-        if let Some((measure, value)) = lengths.into_iter().find(|&(_, v)| !(v > 0.0 && v <= LARGEST)) {
+        if let Some((measure, value)) = lengths.into_iter().find(|&(_, v)| !(v > 0.0 && v <= MAX_LENGTH)) {
             return Err(NozzleRuleError::Measure { measure, value });
         }
         if !(half_angle > 0.0 && half_angle < FRAC_PI_2) {

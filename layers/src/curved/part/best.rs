@@ -9,6 +9,7 @@
 //! they will be of.
 
 use crate::trim::TrimmedSheet;
+use crate::union_find::UnionFind;
 use std::collections::HashSet;
 
 /// How much less of the volume an order has to lose, as a share of it, to be taken for that alone. Where surfaces bend, their volume
@@ -21,7 +22,7 @@ pub const WORTH_MISSED: f64 = 0.001;
 
 /// What is laid of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Laid {
+pub(crate) struct Deposited {
     /// Volume that the layers leave bare or cover twice, missed cells included.
     pub(crate) lost_mm3: f64,
     /// Volume of missed cells.
@@ -30,9 +31,9 @@ pub(crate) struct Laid {
     pub(crate) pieces: usize,
 }
 
-impl Laid {
+impl Deposited {
     /// Whether this is better than something else that is laid of a part of this volume.
-    pub(crate) fn is_better_than(self, other: Laid, volume_mm3: f64) -> bool {
+    pub(crate) fn is_better_than(self, other: Deposited, volume_mm3: f64) -> bool {
         let [lost, missed] = [other.lost_mm3 - self.lost_mm3, other.missed_mm3 - self.missed_mm3];
         if lost.abs() > WORTH * volume_mm3 {
             lost > 0.0
@@ -46,21 +47,12 @@ impl Laid {
 
 /// Connected pieces of a sheet: triangles are connected where they share a corner.
 pub(crate) fn pieces(sheet: &TrimmedSheet) -> usize {
-    let mut leads_to: Vec<u32> = (0..sheet.vertices.len() as u32).collect();
-    fn root(leads_to: &mut [u32], mut corner: u32) -> u32 {
-        while leads_to[corner as usize] != corner {
-            leads_to[corner as usize] = leads_to[leads_to[corner as usize] as usize];
-            corner = leads_to[corner as usize];
-        }
-        corner
-    }
+    let mut pieces = UnionFind::new(sheet.vertices.len());
     for &[a, b, c] in &sheet.triangles {
-        for (from, to) in [(a, b), (b, c)] {
-            let [from, to] = [from, to].map(|corner| root(&mut leads_to, corner));
-            leads_to[from.max(to) as usize] = from.min(to);
-        }
+        pieces.join(a, b);
+        pieces.join(b, c);
     }
-    let roots = sheet.triangles.iter().map(|&[a, ..]| root(&mut leads_to, a));
+    let roots = sheet.triangles.iter().map(|&[a, ..]| pieces.root(a));
     roots.collect::<HashSet<u32>>().len()
 }
 
@@ -70,9 +62,9 @@ mod tests {
 
     #[test]
     fn what_is_laid_decides_then_what_is_missed_and_then_the_pieces() {
-        let laid = |lost_mm3, missed_mm3, pieces| Laid { lost_mm3, missed_mm3, pieces };
+        let laid = |lost_mm3, missed_mm3, pieces| Deposited { lost_mm3, missed_mm3, pieces };
         let first = laid(50.0, 8.0, 800);
-        let is_better = |other: Laid| [first.is_better_than(other, 1000.0), other.is_better_than(first, 1000.0)];
+        let is_better = |other: Deposited| [first.is_better_than(other, 1000.0), other.is_better_than(first, 1000.0)];
         assert_eq!(is_better(laid(61.0, 0.0, 1)), [true, false]); // more than a hundredth more is laid
         assert_eq!(is_better(laid(59.0, 0.0, 900)), [false, true]); // about as much: more is missed
         assert_eq!(is_better(laid(41.0, 9.5, 1)), [true, false]);

@@ -11,7 +11,7 @@ use crate::Progress;
 use crate::ProgressFn;
 use crate::cells::Cells;
 use crate::curved::audit::{AuditReport, JudgedByNozzle, audit_with_nozzle};
-use crate::curved::buildable::standing::carried;
+use crate::curved::buildable::supported::carried;
 use crate::curved::distance::{DistanceOrder, distance_layers, grow_by_distance, grow_by_heights, grow_directed};
 use crate::curved::growth::{Growth, GrowthError};
 use crate::curved::nozzle::grow_with_nozzle;

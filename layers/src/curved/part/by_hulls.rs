@@ -6,7 +6,7 @@
 //! both; its surfaces are trimmed to the mesh for the part, and to the skin of the support's cells for the support, so layer `k` of the one
 //! and layer `k` of the other are printed together.
 
-use super::best::Laid;
+use super::best::Deposited;
 use super::error::{LayersError, begin};
 use super::layer_surfaces::LayerSurfaces;
 use super::options::{LayerOptions, LayersBy, NozzleUse};
@@ -97,14 +97,14 @@ impl Workpiece<'_> {
         order: HullOrder,
         height_mm: f64,
         progress: ProgressFn,
-    ) -> Result<(HullOrder, Laid), LayersError> {
+    ) -> Result<(HullOrder, Deposited), LayersError> {
         let Workpiece { cells, platform, rules, .. } = self;
         let missed = order.growth.missed_cells();
         begin("uniform", progress)?;
         let uniform = uniform_field(cells, platform, rules, &order.growth.order, &missed, progress)?;
         let surfaces = self.surfaces(&uniform.field, &missed, height_mm, progress)?;
         let lost_mm3 = surfaces.lost_mm3(self.volume_mm3);
-        let laid = Laid { lost_mm3, missed_mm3: surfaces.missed_mm3, pieces: surfaces.pieces() };
+        let laid = Deposited { lost_mm3, missed_mm3: surfaces.missed_mm3, pieces: surfaces.pieces() };
         Ok((HullOrder { layers: Some((uniform, surfaces)), ..order }, laid))
     }
 

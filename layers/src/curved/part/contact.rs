@@ -12,7 +12,7 @@ use super::workpiece::Workpiece;
 use crate::ProgressFn;
 use crate::cells::CellSet;
 use crate::curved::buildable::rules::Neighbours;
-use crate::curved::buildable::standing::{carried, joined};
+use crate::curved::buildable::supported::{carried, joined};
 use crate::trim::{TrimError, Trimmer};
 use nalgebra::{Point3, Rotation3, UnitVector3, Vector3, center};
 

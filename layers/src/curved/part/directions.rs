@@ -126,7 +126,7 @@ impl Workpiece<'_> {
 
     /// Directions for all cells that are upright but where the skin would hang over by more than an angle.
     ///
-    /// Skin hangs over by the angle that its normal dips below the plane across the direction of growth: a wall along the direction by 0. What hangs over most in a cell decides, at places no
+    /// ShellFinder hangs over by the angle that its normal dips below the plane across the direction of growth: a wall along the direction by 0. What hangs over most in a cell decides, at places no
     /// farther apart than half a cell; level undersides look to no side, and turn nothing. Directions change as little as they can from cell to cell: each is the mean of its face neighbours', drawn upright a
     /// little, and turned towards the normal of its skin as far as that needs (projected relaxation, 300 rounds at most).
     ///

@@ -9,7 +9,7 @@ use nalgebra::Point3;
 const TOUCHING: f64 = 0.867;
 
 /// A surface looks upwards if this share of its area does on the whole: a closed one has none.
-const LEAST_UPWARD: f64 = 1e-3;
+const MIN_UPWARD: f64 = 1e-3;
 
 /// Cells that a thread looks at at a time: some hundred microseconds.
 const AT_A_TIME: usize = 64;
@@ -76,7 +76,7 @@ impl Workpiece<'_> {
             vertices.iter().map(|vertex| Point3::from((vertex - self.origin) / self.cell_mm)).collect();
         let surface = Inside::new(&in_cells, triangles)?;
         let up = surface.upward_share();
-        if up.abs() < LEAST_UPWARD {
+        if up.abs() < MIN_UPWARD {
             return Err(HeightsError::NoUpperSide);
         }
         let all = self.cells.grid_len();

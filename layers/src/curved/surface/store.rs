@@ -33,17 +33,17 @@ use std::io::{self, BufRead, Read, Write};
 
 /// Cells of the grid for each cell of the solid, and on top of that, beyond which a file is not believed: memory must
 /// follow what a file holds, not what it says. A hollow sphere a thousand cells wide has 170 for each.
-const MOST_GRID: [u64; 2] = [512, 1 << 22];
+const MAX_GRID: [u64; 2] = [512, 1 << 22];
 
 /// Height of a field in cells for each cell of the solid, and on top of that, beyond which a file is not believed. A layer has a
 /// cell at least, and next to none is thicker than two cells.
-const MOST_HEIGHT: [f64; 2] = [4.0, 64.0];
+const MAX_HEIGHT: [f64; 2] = [4.0, 64.0];
 
 /// Steps of an order to a layer at most: with more a step is thinner than rounding.
-const MOST_STEPS: u32 = 1 << 16;
+const MAX_STEPS: u32 = 1 << 16;
 
 /// Bytes of a line at most. A number is written with as many digits as it has, which are some hundred for the least ones.
-const MOST_BYTES: u64 = 4096;
+const MAX_BYTES: u64 = 4096;
 
 /// A field with all that is needed to go on from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -342,7 +342,7 @@ impl SavedField {
         })?;
         let (layer_cells, steps) = lines.keyed("layer_cells", "`layer_cells`, a number and perhaps steps", |text| {
             let (layer_cells, steps) = text.split_once(' ').unwrap_or((text, "1"));
-            Some((number(layer_cells)?, steps.parse::<u32>().ok().filter(|steps| (1..=MOST_STEPS).contains(steps))?))
+            Some((number(layer_cells)?, steps.parse::<u32>().ok().filter(|steps| (1..=MAX_STEPS).contains(steps))?))
         })?;
         lines.next()?;
         let half_layers = lines.value_of("half_layers", |text| number(text).filter(|&heights| heights >= 1.0));
@@ -367,12 +367,12 @@ impl SavedField {
             read.push((cell, value));
         }
         let aids = lines.aids(&read, grid)?;
-        let [per_cell, extra] = MOST_GRID;
+        let [per_cell, extra] = MAX_GRID;
         if grid > per_cell.saturating_mul(read.len() as u64).saturating_add(extra) {
             return Err(ReadFieldError::Sparse { grid, cells: read.len() });
         }
         let highest = read.iter().map(|&(_, value)| value).fold(0.0, f64::max);
-        let [per_cell, extra] = MOST_HEIGHT;
+        let [per_cell, extra] = MAX_HEIGHT;
         if highest.max(1.0) * layer_cells > per_cell * read.len() as f64 + extra {
             return Err(ReadFieldError::TooHigh { highest, layer_cells, cells: read.len() });
         }
@@ -413,9 +413,9 @@ impl<R: BufRead> Lines<R> {
         self.line += 1;
         self.text.clear();
         let line = self.line;
-        let mut limited = self.source.by_ref().take(MOST_BYTES);
+        let mut limited = self.source.by_ref().take(MAX_BYTES);
         limited.read_line(&mut self.text).map_err(|source| ReadFieldError::Io { line, source })?;
-        if self.text.len() as u64 == MOST_BYTES {
+        if self.text.len() as u64 == MAX_BYTES {
             return Err(self.unlike("a line of fewer than 4096 bytes"));
         }
         let text = self.text.trim_end_matches(['\n', '\r']).len();

@@ -6,10 +6,10 @@
 
 use super::super::growth::GrowthError;
 use crate::cells::{CellSet, Cells};
+use crate::curved::buildable::accessibility::dot;
 use crate::curved::buildable::body::{Centres, hull_of_platform};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::watch::dot;
 use curvlay_hull::{Depth, Plane};
 
 /// Number of cells that represent a piece. They decide for which cells a way around is looked for, not

@@ -9,7 +9,7 @@ use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::body::Centres;
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::shell::Skin;
+use crate::curved::buildable::shell::ShellFinder;
 use curvlay_hull::{ConvexHull, Depth, Hint};
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub(super) struct Proof {
 
 /// Finds the extreme cells of what remains.
 pub(crate) struct Extremes<'a> {
-    skin: Skin<'a>,
+    skin: ShellFinder<'a>,
     centres: Centres,
     rules: &'a Rules,
     /// Cells on a face of the hull count as inside: `eps` is 0.
@@ -36,7 +36,7 @@ pub(crate) struct Extremes<'a> {
 impl<'a> Extremes<'a> {
     pub(crate) fn new(cells: &Cells, platform: &'a Platform, rules: &'a Rules) -> Result<Self, GrowthError> {
         let depth = rules.depth()?;
-        let skin = Skin::new(cells, platform, rules, depth)?;
+        let skin = ShellFinder::new(cells, platform, rules, depth)?;
         let hull = skin.hull(&CellSet::none(cells))?;
         let centres = Centres::new(cells, rules);
         let corners_only = depth == Depth::SURFACE;

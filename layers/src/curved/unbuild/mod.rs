@@ -15,9 +15,9 @@
 //! the piece all by themselves banned from carrying it ([`detour`]). The best of all removals counts. Cells that it
 //! gave up are built where the front happens to leave them accessible.
 
-mod chances;
 mod detour;
 mod extreme;
+mod last_feasible_layer;
 mod links;
 mod patches;
 mod removal;
@@ -30,10 +30,10 @@ use super::growth::{Growth, GrowthError, GrowthStatistics, MissedCell, MissedRea
 use crate::cells::{CellSet, Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::standing::{buried, joined, standing};
+use crate::curved::buildable::supported::{buried, joined, supported_by_platform};
 use crate::{Progress, ProgressFn};
-use chances::last_chances;
 use detour::Detour;
+use last_feasible_layer::last_chances;
 use removal::Removal;
 use schedule::schedule;
 use std::ops::ControlFlow;
@@ -94,7 +94,7 @@ pub fn unbuild(
     if total == 0 {
         return Err(GrowthError::NoCell);
     }
-    let feet = standing(cells, platform, rules)?;
+    let feet = supported_by_platform(cells, platform, rules)?;
     if feet.is_empty() {
         return Err(GrowthError::NothingOnPlatform);
     }

@@ -6,7 +6,7 @@
 
 use super::super::growth::GrowthError;
 use super::super::quality::SMALL_PATCH;
-use super::chances::{Chances, last_chances};
+use super::last_feasible_layer::{LastFeasibleLayers, last_chances};
 use crate::cells::{CellSet, Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
@@ -94,7 +94,7 @@ struct Plan<'a> {
     seen: CellSet,
     offsets: &'a [[i32; 3]],
     layer_of: Vec<u32>,
-    chances: Chances,
+    chances: LastFeasibleLayers,
 }
 
 impl Plan<'_> {

@@ -12,7 +12,7 @@ use crate::cells::{CellSet, Cells};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::runs::Runs;
-use crate::curved::buildable::standing::joined;
+use crate::curved::buildable::supported::joined;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::ops::ControlFlow;

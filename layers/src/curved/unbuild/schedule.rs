@@ -10,10 +10,10 @@
 use super::super::growth::GrowthError;
 use super::removal::{NONE, Plane, Removal};
 use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::accessibility::dot;
 use crate::curved::buildable::body::{Centres, hull_of_platform};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::watch::dot;
 use curvlay_hull::{ConvexHull, Hint};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

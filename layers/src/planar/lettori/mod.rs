@@ -130,7 +130,7 @@ const PART: f64 = 0.002;
 
 /// Parts that a separation may take: four walls, and as many pieces from their other sides. Where fewer are allowed, the number of parts is why none
 /// is made.
-const MOST_AT_ONCE: usize = 8;
+const MAX_AT_ONCE: usize = 8;
 
 /// How good a decomposition is.
 #[derive(Clone, Copy, Debug)]
@@ -205,7 +205,7 @@ fn divide(
                 open.push(Open { cell: rest, ..part });
                 continue;
             } else {
-                let may_be_more = most >= MOST_AT_ONCE;
+                let may_be_more = most >= MAX_AT_ONCE;
                 stuck = Some(if may_be_more { StuckReason::NoWall } else { StuckReason::TooManyParts });
             }
         }

@@ -240,7 +240,7 @@ pub fn beam_search(
     if !(length > 0.0 && length.is_finite()) {
         return Err(RoboFdmError::Option { name: "direction", value: length });
     }
-    let tell =
+    let report =
         |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
@@ -252,7 +252,7 @@ pub fn beam_search(
     let mut beam = vec![member(whole.clone())];
     if let Some(sequence) = sequence {
         let mut state = whole;
-        state.follow(sequence, &|done, total| tell("planes", done, total))?;
+        state.follow(sequence, &|done, total| report("planes", done, total))?;
         state.merge();
         if state.nodes.len() <= options.tuning.max_parts {
             beam.push(member(state));
@@ -265,7 +265,7 @@ pub fn beam_search(
     let goal = options.tuning.goal * before;
     let (mut halvings, mut width) = (0, options.width);
     while best.rank().risky > goal {
-        tell("beam", best.state.nodes.len(), options.tuning.max_parts)?;
+        report("beam", best.state.nodes.len(), options.tuning.max_parts)?;
         beam.retain(|member| member.state.nodes.len() < options.tuning.max_parts);
         let next = next_beam(&mut beam, min_gain(halvings) * before, width, options.branches);
         if next.is_empty() {
@@ -290,12 +290,12 @@ pub fn beam_search(
     let mut state = best.state;
     state.merge();
     if sequence.is_some() && state.risky() > goal {
-        let own = finely_decomposed(&start, before, &tell)?;
+        let own = finely_decomposed(&start, before, &report)?;
         if own.risky() < state.risky() {
             state = own;
         }
     }
-    state = polished(state, before, &tell)?;
+    state = polished(state, before, &report)?;
     let after = state.risky();
-    Decomposition::of(&state, before, [first, first, after], &tell)
+    Decomposition::of(&state, before, [first, first, after], &report)
 }

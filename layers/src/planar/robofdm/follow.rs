@@ -65,13 +65,13 @@ impl State {
     pub(super) fn follow(
         &mut self,
         sequence: &BuildSequence,
-        tell: &dyn Fn(usize, usize) -> Result<(), RoboFdmError>,
+        report: &dyn Fn(usize, usize) -> Result<(), RoboFdmError>,
     ) -> Result<(), RoboFdmError> {
         let mut random = Random::new();
         // Which node holds each part of the sequence.
         let mut node_of: Vec<(u32, usize)> = sequence.parts.first().map(|root| (root.part, 0)).into_iter().collect();
         for (done, part) in sequence.parts.iter().enumerate().skip(1) {
-            tell(done, sequence.parts.len())?;
+            report(done, sequence.parts.len())?;
             let holder = |p: u32| node_of.iter().find(|(known, _)| *known == p).map_or(0, |&(_, node)| node);
             let parent = part.parent.map_or(0, holder);
             let made = part.base.is_some_and(|base| self.perturbed(parent, &base, &part.direction, &mut random));

@@ -7,13 +7,13 @@ use super::RoboFdmError;
 
 /// Smallest standard deviation of a component over the range of all samples: a component on equal samples would have an infinite
 /// density otherwise.
-const LEAST_DEVIATION: f64 = 1e-3;
+const MIN_DEVIATION: f64 = 1e-3;
 
-/// Most rounds; they end as soon as one gains less than [`LEAST_GAIN`].
+/// Most rounds; they end as soon as one gains less than [`MIN_GAIN`].
 const MAX_ROUNDS: usize = 500;
 
 /// Gain of the mean log-likelihood at which the rounds end.
-const LEAST_GAIN: f64 = 1e-9;
+const MIN_GAIN: f64 = 1e-9;
 
 /// A sum of Gaussians, by rising mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl GaussianMixture {
         let mut order: Vec<usize> = (0..samples.len()).collect();
         order.sort_by(|&i, &j| samples[i].total_cmp(&samples[j]));
         let range = samples[order[order.len() - 1]] - samples[order[0]];
-        let floor = (LEAST_DEVIATION * range).max(f64::MIN_POSITIVE.sqrt());
+        let floor = (MIN_DEVIATION * range).max(f64::MIN_POSITIVE.sqrt());
 
         let mut means = Vec::with_capacity(count);
         let mut below = 0.0;
@@ -107,7 +107,7 @@ impl GaussianMixture {
             let likelihood = likelihood / total;
             let before = mixture.log_likelihoods.last().copied();
             mixture.log_likelihoods.push(likelihood);
-            if round == MAX_ROUNDS || before.is_some_and(|before| likelihood - before < LEAST_GAIN) {
+            if round == MAX_ROUNDS || before.is_some_and(|before| likelihood - before < MIN_GAIN) {
                 break;
             }
             for c in 0..count {

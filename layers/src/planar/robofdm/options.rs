@@ -117,4 +117,4 @@ pub(super) fn min_gain(halvings: u32) -> f64 {
 }
 
 /// Says what is done, and whether to go on.
-pub(super) type Tell<'a> = dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError> + Sync + 'a;
+pub(super) type Report<'a> = dyn Fn(&'static str, usize, usize) -> Result<(), RoboFdmError> + Sync + 'a;

@@ -11,6 +11,7 @@ use super::sequence::sphere;
 use crate::parallel::map_items;
 use crate::planar::CutPlane;
 use crate::planar::solid::Wall;
+use crate::union_find::UnionFind;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
@@ -212,18 +213,18 @@ impl Surface {
                 first.for_each(|&[w, _]| pieces.join(w, v));
             }
             roots.extend(by_level.of(l + 1));
-            roots.retain(|&v| pieces.parent[v as usize] == v);
+            roots.retain(|&v| pieces.sets.is_root(v));
             for &(v, saved) in &whole_at[l + 1] {
-                let root = pieces.root(v);
+                let root = pieces.sets.root(v);
                 pieces.saved[root as usize] += saved;
             }
             for &(v, saved, h) in &crossed_at[l] {
-                partly[pieces.root(v) as usize] += saved * (1.0 - share_below(h, offset(l)));
+                partly[pieces.sets.root(v) as usize] += saved * (1.0 - share_below(h, offset(l)));
             }
             // Pieces with a section that the plane cuts stay.
             for (vertices, _) in barring.iter().filter(|(_, range)| range[0] < offset(l) && range[1] > offset(l)) {
                 for &v in vertices.iter().filter(|&&v| heights[v as usize] > offset(l)) {
-                    barred_at[pieces.root(v) as usize] = l as u32;
+                    barred_at[pieces.sets.root(v) as usize] = l as u32;
                 }
             }
             let mut gain = 0.0;
@@ -299,7 +300,7 @@ impl Buckets {
 
 /// Connected vertices, and what cutting them off saves.
 struct Pieces {
-    parent: Vec<u32>,
+    sets: UnionFind,
     saved: Vec<f64>,
     /// Whether the head does not reach some vertex.
     blocked: Vec<bool>,
@@ -308,23 +309,11 @@ struct Pieces {
 impl Pieces {
     /// Vertices that are all alone.
     fn new(vertices: usize) -> Self {
-        let parent = (0..vertices as u32).collect();
-        Pieces { parent, saved: vec![0.0; vertices], blocked: vec![false; vertices] }
-    }
-
-    fn root(&mut self, mut v: u32) -> u32 {
-        while self.parent[v as usize] != v {
-            let above = self.parent[self.parent[v as usize] as usize];
-            self.parent[v as usize] = above;
-            v = above;
-        }
-        v
+        Pieces { sets: UnionFind::new(vertices), saved: vec![0.0; vertices], blocked: vec![false; vertices] }
     }
 
     fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b {
-            self.parent[b as usize] = a;
+        if let Some([a, b]) = self.sets.join_to(a, b) {
             self.saved[a as usize] += std::mem::take(&mut self.saved[b as usize]);
             self.blocked[a as usize] |= self.blocked[b as usize];
         }

@@ -2,7 +2,7 @@
 
 use super::error::RoboFdmError;
 use super::head::Head;
-use super::options::{Tell, TuningOptions, min_gain};
+use super::options::{Report, TuningOptions, min_gain};
 use super::state::{State, are_near};
 use crate::planar::CutPlane;
 
@@ -44,13 +44,13 @@ pub struct Left {
 }
 
 /// Parts with less than this share of the risky area of the whole are not explained.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 
 /// Planes that are looked at, the most promising first, for one that may be tried at all: what cuts off nothing says nothing.
 const PLANES: usize = 60;
 
 /// Why risky area is left, by parts; nothing where the goal is met.
-pub(super) fn left(state: &State, before: f64, tell: &Tell) -> Result<Vec<Left>, RoboFdmError> {
+pub(super) fn left(state: &State, before: f64, report: &Report) -> Result<Vec<Left>, RoboFdmError> {
     if state.risky() <= state.options.goal * before {
         return Ok(Vec::new());
     }
@@ -61,10 +61,10 @@ pub(super) fn left(state: &State, before: f64, tell: &Tell) -> Result<Vec<Left>,
     let mut all = Vec::new();
     for part in 0..state.nodes.len() {
         let risky_mm2 = state.nodes[part].risky;
-        if risky_mm2 < (LEAST_SHARE * before).max(least) {
+        if risky_mm2 < (MIN_SHARE * before).max(least) {
             continue;
         }
-        tell("reasons", part, state.nodes.len())?;
+        report("reasons", part, state.nodes.len())?;
         let mut found = Left { part, risky_mm2, promise_mm2: 0.0, reason: LeftReason::NoPlane };
         let mut seen: Vec<CutPlane> = Vec::new();
         for (promise_mm2, plane) in open.rated(part, least) {

@@ -8,6 +8,7 @@
 //! What a seam carries is what would come off if it gave way, at the worst time of the print: later parts that also rest on others carry with it
 //! once they are printed.
 
+use crate::union_find::UnionFind;
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 
 /// Gravity, in m/s2.
@@ -183,7 +184,7 @@ pub(super) struct Joined {
 
 /// Parts that hang together, and what they come to.
 struct Groups {
-    parent: Vec<usize>,
+    sets: UnionFind,
     volume: Vec<f64>,
     moment: Vec<Vector3<f64>>,
     farthest: Vec<f64>,
@@ -191,18 +192,8 @@ struct Groups {
 }
 
 impl Groups {
-    fn root(&mut self, mut part: usize) -> usize {
-        while self.parent[part] != part {
-            self.parent[part] = self.parent[self.parent[part]];
-            part = self.parent[part];
-        }
-        part
-    }
-
     fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b {
-            self.parent[b] = a;
+        if let Some([a, b]) = self.sets.join_to(a as u32, b as u32).map(|roots| roots.map(|root| root as usize)) {
             self.volume[a] += self.volume[b];
             let moment = self.moment[b];
             self.moment[a] += moment;
@@ -237,7 +228,7 @@ fn hold(parts: &[Joined], part: usize, strength: &SeamStrength, lowered: &Vector
     (hold.moment_nmm, hold.stress_mpa) = (0.0, 0.0);
     let centre = if on_platform { seam.centre - lowered } else { seam.centre };
     let mut groups = Groups {
-        parent: (0..parts.len()).collect(),
+        sets: UnionFind::new(parts.len()),
         volume: parts.iter().map(|part| part.body.volume).collect(),
         moment: parts.iter().map(|part| part.body.moment).collect(),
         farthest: parts.iter().map(|part| part.body.farthest(&centre)).collect(),
@@ -247,7 +238,7 @@ fn hold(parts: &[Joined], part: usize, strength: &SeamStrength, lowered: &Vector
         if at != part {
             other.on.iter().for_each(|&on| groups.join(on, at));
         }
-        let group = groups.root(part);
+        let group = groups.sets.root(part as u32) as usize;
         if at < part || groups.stands[group] {
             continue;
         }

@@ -9,7 +9,7 @@
 //! that would float are seen.
 
 use super::error::RoboFdmError;
-use super::options::{Tell, TuningOptions, min_gain};
+use super::options::{Report, TuningOptions, min_gain};
 use super::parts::PrintedPart;
 use super::reasons::{Left, left};
 use super::sequence::BuildSequence;
@@ -37,13 +37,13 @@ pub struct Decomposition {
 
 impl Decomposition {
     /// The parts of a state that is done.
-    pub(super) fn of(state: &State, before: f64, after: [f64; 3], tell: &Tell) -> Result<Self, RoboFdmError> {
+    pub(super) fn of(state: &State, before: f64, after: [f64; 3], report: &Report) -> Result<Self, RoboFdmError> {
         Ok(Decomposition {
             parts: state.printed()?,
             risky_before_mm2: before,
             risky_after_phases_mm2: after,
             holds: state.holds(),
-            left: left(state, before, tell)?,
+            left: left(state, before, report)?,
         })
     }
 
@@ -100,23 +100,23 @@ pub fn tune(
     let whole = State::whole(solid, root.direction, options);
     let mut state = whole.clone();
     let before = state.risky();
-    let tell =
+    let report =
         |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
         };
-    state.follow(sequence, &|done, total| tell("planes", done, total))?;
+    state.follow(sequence, &|done, total| report("planes", done, total))?;
     let mut after = [state.risky(); 3];
-    tell("merging", 0, 1)?;
+    report("merging", 0, 1)?;
     state.merge();
     // Segments of a solid that needs no support may well need some, and where a head is in the way not all can be merged.
     if state.risky() > before || state.nodes.len() > options.max_parts {
         state = whole;
     }
     after[1] = state.risky();
-    state = polished(finely_decomposed(&state, before, &tell)?, before, &tell)?;
+    state = polished(finely_decomposed(&state, before, &report)?, before, &report)?;
     after[2] = state.risky();
-    Decomposition::of(&state, before, after, &tell)
+    Decomposition::of(&state, before, after, &report)
 }
 
 /// From which halving of the distance of planes on each plane is refined, one way after the other until the goal is reached.
@@ -124,10 +124,10 @@ const REFINED_FROM: [u32; 3] = [u32::MAX, 1, 0];
 
 /// Fine decomposition of a state, merged again; where it misses the goal also with planes refined, and the best result taken. A refined
 /// plane saves more at once, but the best cut now is not always the best one in the end.
-pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
+pub(super) fn finely_decomposed(state: &State, before: f64, report: &Report) -> Result<State, RoboFdmError> {
     let mut best: Option<State> = None;
     for refined_from in REFINED_FROM {
-        let mut next = decomposed(state, before, refined_from, tell)?;
+        let mut next = decomposed(state, before, refined_from, report)?;
         next.merge();
         let risky = next.risky();
         if best.as_ref().is_none_or(|best| risky < best.risky()) {
@@ -142,10 +142,10 @@ pub(super) fn finely_decomposed(state: &State, before: f64, tell: &Tell) -> Resu
 
 /// Cuts a state on as long as that pays at the finest distance of planes: merging makes parts through which planes were not tried yet, and a beam
 /// may end before all of its last state were.
-pub(super) fn polished(mut state: State, before: f64, tell: &Tell) -> Result<State, RoboFdmError> {
+pub(super) fn polished(mut state: State, before: f64, report: &Report) -> Result<State, RoboFdmError> {
     let (mut known, least) = (Promises::new(), min_gain(state.options.halvings) * before);
     while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
-        tell("cuts", state.nodes.len(), state.options.max_parts)?;
+        report("cuts", state.nodes.len(), state.options.max_parts)?;
         if !state.cut_finely(&mut known, least, true) {
             break;
         }
@@ -154,10 +154,10 @@ pub(super) fn polished(mut state: State, before: f64, tell: &Tell) -> Result<Sta
 }
 
 /// The best cut of one of the riskiest parts, again and again.
-fn decomposed(state: &State, before: f64, refined_from: u32, tell: &Tell) -> Result<State, RoboFdmError> {
+fn decomposed(state: &State, before: f64, refined_from: u32, report: &Report) -> Result<State, RoboFdmError> {
     let (mut state, mut known, mut halvings) = (state.clone(), Promises::new(), 0);
     while state.risky() > state.options.goal * before && state.nodes.len() < state.options.max_parts {
-        tell("cuts", state.nodes.len(), state.options.max_parts)?;
+        report("cuts", state.nodes.len(), state.options.max_parts)?;
         if state.cut_finely(&mut known, min_gain(halvings) * before, halvings >= refined_from) {
             continue;
         }

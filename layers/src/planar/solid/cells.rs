@@ -13,6 +13,7 @@ use super::cap::triangulate;
 use super::mesh::{Solid, SolidError, doubled_normal, signed_volume, winding_of};
 use super::plane::{CutPlane, PlaneFrame};
 use super::tidy::tidied;
+use crate::union_find::UnionFind;
 use nalgebra::{Point2, Point3};
 use std::collections::{BTreeMap, HashMap};
 use std::hash::{BuildHasherDefault, Hasher};
@@ -450,27 +451,19 @@ impl Partition {
 
     /// Faces in groups that are connected over edges, by their first face.
     fn shells(&self, faces: &[(usize, bool)]) -> Vec<Vec<(usize, bool)>> {
-        let mut group: Vec<usize> = (0..faces.len()).collect();
-        fn root(group: &mut [usize], mut k: usize) -> usize {
-            while group[k] != k {
-                group[k] = group[group[k]];
-                k = group[k];
-            }
-            k
-        }
+        let mut groups = UnionFind::new(faces.len());
         let mut first_at: EdgeMap<usize> = EdgeMap::with_capacity_and_hasher(faces.len() * 2, Default::default());
         for (k, &(face, _)) in faces.iter().enumerate() {
             let corners = self.faces[face].corners;
             for i in 0..3 {
                 let (a, b) = (corners[i], corners[(i + 1) % 3]);
                 let other = *first_at.entry([a.min(b), a.max(b)]).or_insert(k);
-                let (x, y) = (root(&mut group, k), root(&mut group, other));
-                group[x.max(y)] = x.min(y);
+                groups.join(k as u32, other as u32);
             }
         }
-        let mut shells: BTreeMap<usize, Vec<(usize, bool)>> = BTreeMap::new();
+        let mut shells: BTreeMap<u32, Vec<(usize, bool)>> = BTreeMap::new();
         for (k, &side) in faces.iter().enumerate() {
-            shells.entry(root(&mut group, k)).or_default().push(side);
+            shells.entry(groups.root(k as u32)).or_default().push(side);
         }
         shells.into_values().collect()
     }

@@ -56,7 +56,12 @@ pub fn centre([x, y, z]: [u32; 3]) -> [i32; 3] {
 
 /// The hull of the platform and the given cells, made afresh.
 pub fn hull_of(part: &Part, rules: &Rules, built: impl IntoIterator<Item = u32>) -> ConvexHull {
-    let depth = if rules.eps_is_inside { Depth::new(2.0 * rules.eps) } else { Depth::beyond(2.0 * rules.eps) }.unwrap();
+    let depth = if rules.boundary_is_inside {
+        Depth::new(2.0 * rules.inside_depth_cells)
+    } else {
+        Depth::beyond(2.0 * rules.inside_depth_cells)
+    }
+    .unwrap();
     let mut hull = ConvexHull::column(part.platform.corners(), part.platform.top(), depth).unwrap();
     let points: Vec<_> = built.into_iter().map(|cell| centre(part.cells().position(cell))).collect();
     hull.insert(&points).unwrap();
@@ -94,9 +99,9 @@ pub fn parts(dims: impl Strategy<Value = [u32; 3]>, solid: std::ops::Range<u64>)
 pub fn rules() -> impl Strategy<Value = Rules> {
     let eps = prop::sample::select(vec![0.0, 0.3, 0.5, 1.0, 1.25, 2.0]);
     let neighbours = prop::sample::select(vec![Neighbours::FaceOrEdge, Neighbours::OneNorm]);
-    (eps, any::<bool>(), neighbours).prop_map(|(eps, eps_is_inside, neighbours)| Rules {
-        eps,
-        eps_is_inside,
+    (eps, any::<bool>(), neighbours).prop_map(|(eps, boundary_is_inside, neighbours)| Rules {
+        inside_depth_cells: eps,
+        boundary_is_inside,
         neighbours,
         flat: false,
     })

@@ -3,7 +3,8 @@
 use super::Solid;
 use crate::common::go;
 use curvlay_layers::elastic::{
-    ElasticError, ElasticOptions, ElasticPart, Given, Load, Material, Region, Support, solve_elastic, supported_cells,
+    BoundaryCondition, ElasticError, ElasticOptions, ElasticPart, Load, Material, Region, Support, solve_elastic,
+    supported_cells,
 };
 use std::ops::ControlFlow;
 
@@ -53,29 +54,32 @@ fn cells_that_hang_on_nothing() {
 fn regions_that_hold_nothing() {
     let above = Region::plane(2, 7.0);
     let (low, high) = ([0.0; 3], [2.0, 2.0, 6.0]);
-    let empty = |what: Given, number: usize| ElasticError::EmptyRegion { what, number, low, high };
-    assert_eq!(refused(&bar(), &[plate(), Support::fixed(above)], &[PULL]), empty(Given::Support, 1));
+    let empty = |what: BoundaryCondition, number: usize| ElasticError::EmptyRegion { what, number, low, high };
+    assert_eq!(refused(&bar(), &[plate(), Support::fixed(above)], &[PULL]), empty(BoundaryCondition::Support, 1));
     let push = Load::Force { region: above, newtons: [1.0; 3] };
-    assert_eq!(refused(&bar(), &[plate()], &[push]), empty(Given::Load, 0));
+    assert_eq!(refused(&bar(), &[plate()], &[push]), empty(BoundaryCondition::Load, 0));
     // Between cells is no outer face.
     let inside = Load::Traction { region: Region::plane(2, 3.0), mpa: [1.0; 3] };
     let between = Region { low_mm: [0.5, 0.5, 3.0], high_mm: [1.5, 1.5, 3.0] };
-    assert_eq!(refused(&bar(), &[plate()], &[inside]), empty(Given::Load, 0));
+    assert_eq!(refused(&bar(), &[plate()], &[inside]), empty(BoundaryCondition::Load, 0));
     assert_eq!(
         refused(&bar(), &[plate()], &[PULL, Load::Force { region: between, newtons: [1.0; 3] }]),
-        empty(Given::Load, 1)
+        empty(BoundaryCondition::Load, 1)
     );
 }
 
 #[test]
 fn numbers_that_are_none() {
     let nan = Load::Force { region: Region::plane(2, 6.0), newtons: [0.0, f64::NAN, 0.0] };
-    assert_eq!(refused(&bar(), &[plate()], &[PULL, nan]), ElasticError::NotFinite { what: Given::Load, number: 1 });
+    assert_eq!(
+        refused(&bar(), &[plate()], &[PULL, nan]),
+        ElasticError::NotFinite { what: BoundaryCondition::Load, number: 1 }
+    );
     let region = Region { low_mm: [f64::NAN; 3], high_mm: [1.0; 3] };
     let error = refused(&bar(), &[Support::fixed(region)], &[PULL]);
-    assert_eq!(error, ElasticError::NotFinite { what: Given::Support, number: 0 });
+    assert_eq!(error, ElasticError::NotFinite { what: BoundaryCondition::Support, number: 0 });
     let far = Support { displacement_mm: [Some(f64::INFINITY); 3], ..plate() };
-    assert_eq!(refused(&bar(), &[far], &[]), ElasticError::NotFinite { what: Given::Support, number: 0 });
+    assert_eq!(refused(&bar(), &[far], &[]), ElasticError::NotFinite { what: BoundaryCondition::Support, number: 0 });
     for poisson in [0.5, -1.0, f64::NAN] {
         let material = Material { poisson, ..Material::default() };
         assert!(matches!(bar().solve(1.0, material, &[plate()], &[PULL]), Err(ElasticError::Material { .. })));

@@ -13,7 +13,7 @@
 //! the distance `d`: continuous, and at most the truth but for the error above.
 //!
 //! **Near and far.** Up to 16 cells around the solid the lattice is as fine as asked. Where more margin is asked for, a
-//! second lattice four times as coarse reaches as far as that: its nodes are as exact, and between them a distance of
+//! second lattice four times as coarse covers the margin: its nodes are as exact, and between them a distance of
 //! many cells is nearly straight (beside a ball of radius `r` wrong by `(4 h)^2 / 4 r`; the bound above is for grooves).
 //! Over the last four cells of the near lattice its values go over into those of the far one.
 
@@ -197,8 +197,8 @@ impl DistanceGrid {
         (0.75f64.sqrt() + 4e-6) * self.far.as_ref().map_or(self.near.spacing, |far| far.spacing)
     }
 
-    /// Whether all points within `radius` of a segment are as far from the solid as `best`, as far as that is known
-    /// from the box of the solid, without a look at the lattice: by the middle of the segment, else by the plane through
+    /// Whether all points within `radius` of a segment are as far from the solid as `best`, judged
+    /// by the box of the solid, without a look at the lattice: by the middle of the segment, else by the plane through
     /// the point of the box that is nearest to one of the segment.
     #[inline]
     pub(super) fn is_beyond(&self, middle: &Point3<f64>, half: &Vector3<f64>, radius: f64, best: f64) -> bool {
@@ -276,11 +276,11 @@ fn check_length(what: &'static str, value: f64) -> Result<(), GridError> {
 fn check_nodes(nodes: &[f64; 3]) -> Result<(), GridError> {
     let all: f64 = nodes.iter().product();
     // Squares of three sides fit 32 bits: a long thin grid is refused too.
-    if all <= MAX_NODES as f64 && nodes.iter().all(|&n| n <= LONGEST) {
+    if all <= MAX_NODES as f64 && nodes.iter().all(|&n| n <= MAX_SIDE_NODES) {
         return Ok(());
     }
     Err(GridError::TooLarge { nodes: all, max: MAX_NODES })
 }
 
 /// Most nodes along one side.
-const LONGEST: f64 = 8192.0;
+const MAX_SIDE_NODES: f64 = 8192.0;

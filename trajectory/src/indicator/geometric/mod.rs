@@ -1,3 +1,5 @@
+//! For reproducing the motions of C. Dai's dissertation (chapter 4); prints use the indicator of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! A collision indicator from signed distances, split by what moves against what.
 //!
 //! The head moves over the part in a distance of nozzle widths, so the part is a signed distance grid

@@ -1,4 +1,4 @@
-//! What an indicator compares with what, and which models are none.
+//! What an indicator compares with what, and which models are invalid.
 
 use super::grid::DistanceGrid;
 use super::near::MAX_BODIES;

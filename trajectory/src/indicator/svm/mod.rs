@@ -1,3 +1,5 @@
+//! For reproducing the learned indicator of C. Dai's dissertation (section 4.4); prints use that of their [`PrintWorkcell`](crate::print::PrintWorkcell).
+//!
 //! A support vector machine that separates colliding postures from free ones.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 4.4.1, Eq. 4.14: the value is

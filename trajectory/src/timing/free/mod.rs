@@ -1,3 +1,5 @@
+//! For reproducing time-optimal paths with redundancy (F. Debrouwere et al.); prints use [`time_path`](crate::time_path).
+//!
 //! The timing of least duration together with the free parameters of the waypoints.
 //!
 //! F. Debrouwere et al., "Time-optimal path following for robots with convex-concave constraints using sequential convex

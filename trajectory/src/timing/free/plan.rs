@@ -4,8 +4,7 @@ use super::model::Point;
 use super::options::{TimeFreeError, TimeFreeOptions, TimeFreeStatus};
 use super::search::{Search, Task};
 use crate::timing::{FlowLimits, TimePathError, TimedMotion, time_path};
-use crate::{Bounds, FreeRange, LadderNode, Progress, Robot};
-use std::ops::ControlFlow;
+use crate::{Bounds, FreeRange, LadderNode, ProgressFn, Robot};
 
 /// A motion of short duration, and the free parameters with which it was found.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +35,7 @@ pub struct FreeMotion<const N: usize, const F: usize> {
 /// * `robot`: the waypoints, two at least, with their free parameters.
 /// * `start`: one node a waypoint, of a ladder or of the global filter. The joints select the image of an angle.
 /// * `planned`, `max_pace`, `flow`, `bounds`: as of [`time_path`]. `lower` and `upper` hold at the waypoints, and on the
-///   whole motion as far as they hold on the start.
+///   whole motion where the start holds them.
 ///
 /// # Returns
 /// The motion; it is never longer than [`time_path`] on the start. Waypoints are met as exactly as by the robot's inverse
@@ -81,7 +80,7 @@ pub fn time_path_free<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     flow: Option<FlowLimits<'_>>,
     bounds: &Bounds<N>,
     options: &TimeFreeOptions,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    progress: ProgressFn<'_>,
 ) -> Result<FreeMotion<N, F>, TimeFreeError> {
     let ranges = robot.free();
     check(robot.waypoints(), start, &ranges, options)?;

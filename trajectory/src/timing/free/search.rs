@@ -4,8 +4,7 @@ use super::model::Point;
 use super::options::{TimeFreeError, TimeFreeOptions, TimeFreeStatus};
 use super::program::{Program, Rows};
 use crate::timing::{FlowLimits, TimePathError, TimedMotion, time_path};
-use crate::{Bounds, FreeRange, LadderNode, Progress, Robot};
-use std::ops::ControlFlow;
+use crate::{Bounds, FreeRange, LadderNode, Progress, ProgressFn, Robot};
 
 /// The time between two waypoints falls by at most this share of itself in a round, and grows by so many times. Where a round
 /// has gone too far, time has to grow by as much as it takes.
@@ -35,7 +34,7 @@ const NEIGHBOURS: usize = 8;
 const SHORTER: f64 = 0.3;
 
 /// Below this share of the longest step nothing is gained any more.
-const SHORTEST: f64 = 1e-2;
+const MIN_STEP_SHARE: f64 = 1e-2;
 
 /// What is asked.
 pub(super) struct Task<'a, R: ?Sized, const N: usize, const F: usize> {
@@ -64,7 +63,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Task<'_, R, N, F> 
         &self,
         point: &Point<N, F>,
         start: &TimedMotion<N>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<Option<TimedMotion<N>>, TimeFreeError> {
         let beyond = |motion: &TimedMotion<N>| {
             let over = |(j, extremes): (usize, crate::Extremes)| {
@@ -91,11 +90,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Task<'_, R, N, F> 
 
     /// The timing along the spline by the times of the point, which is nearer to what was optimised. Planned times and
     /// paces are then put in terms of the plan.
-    fn timed_by_own(
-        &self,
-        point: &Point<N, F>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<TimedMotion<N>, TimePathError> {
+    fn timed_by_own(&self, point: &Point<N, F>, progress: ProgressFn<'_>) -> Result<TimedMotion<N>, TimePathError> {
         let mut own = vec![0.0];
         own.extend(point.steps.iter().scan(0.0, |time, step| {
             *time += step;
@@ -169,7 +164,7 @@ impl<const N: usize, const F: usize> Search<N, F> {
     pub fn run<R: Robot<N, F> + ?Sized>(
         &mut self,
         task: &Task<'_, R, N, F>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        progress: ProgressFn<'_>,
     ) -> Result<TimeFreeStatus, TimeFreeError> {
         let options = task.options;
         // How far the joints of each waypoint may move.
@@ -209,7 +204,7 @@ impl<const N: usize, const F: usize> Search<N, F> {
             waiting += 1;
             if waiting > PATIENCE {
                 reach.iter_mut().for_each(|reach| *reach *= SHORTER);
-                if reach.iter().all(|reach| *reach < SHORTEST * options.max_step) {
+                if reach.iter().all(|reach| *reach < MIN_STEP_SHARE * options.max_step) {
                     return Ok(TimeFreeStatus::Solved);
                 }
                 self.point = self.best.clone();

@@ -41,7 +41,7 @@ use super::lattice::Lattice;
 use super::slope::{evened, relax};
 use super::uniform::{UniformError, UniformField, UniformMethod, rows_of};
 use crate::cells::{Cells, LayerOrder};
-use crate::curved::buildable::standing::standing;
+use crate::curved::buildable::supported::supported_by_platform;
 use crate::curved::growth::{Covered, covered};
 use crate::curved::{GrowthError, Platform, Rules, audit};
 use crate::{Progress, ProgressFn};
@@ -116,7 +116,7 @@ pub fn coherent_field(
     let plain = super::plain_field(cells, order)?;
     let rows = rows_of(cells, order);
     let built = Cells::new(cells.dims(), &rows).unwrap_or(*cells);
-    let part = Part::new(&built, rules, &standing(&built, platform, rules)?);
+    let part = Part::new(&built, rules, &supported_by_platform(&built, platform, rules)?);
     let envelope = Envelope { part: &part, cells: &built, platform, rules, progress };
     let auditing = |p: Progress| progress(Progress { stage: "audit uniform", ..p });
     let mut best: Option<UniformField> = None;

@@ -22,8 +22,9 @@ fn parts() -> impl proptest::strategy::Strategy<Value = (Vec<u64>, Vec<f64>)> {
 /// Runs `check` with the part and times of its cells. What stands is in the first step.
 fn with(rows: &[u64], times: &[f64], check: impl Fn(&Envelope, Vec<f64>)) {
     let cells = Cells::new(DIMS, rows).unwrap();
-    let (platform, rules) = (Platform::under(&cells, 4.0).unwrap(), Rules { eps: 0.5, ..Rules::default() });
-    let part = Part::new(&cells, &rules, &standing(&cells, &platform, &rules).unwrap());
+    let (platform, rules) =
+        (Platform::under(&cells, 4.0).unwrap(), Rules { inside_depth_cells: 0.5, ..Rules::default() });
+    let part = Part::new(&cells, &rules, &supported_by_platform(&cells, &platform, &rules).unwrap());
     let time = |place: usize| if part.stands[place] { 0.5 } else { times[part.cells[place] as usize] };
     let times = (0..part.cells.len()).map(time).collect();
     check(&Envelope { part: &part, cells: &cells, platform: &platform, rules: &rules, progress: &go }, times);
@@ -121,7 +122,7 @@ proptest! {
     #[test]
     fn a_coherent_field_passes_the_audit_and_keeps_the_cells((rows, _) in parts()) {
         let cells = Cells::new(DIMS, &rows).unwrap();
-        let (platform, rules) = (Platform::under(&cells, 4.0).unwrap(), Rules { eps: 0.5, ..Rules::default() });
+        let (platform, rules) = (Platform::under(&cells, 4.0).unwrap(), Rules { inside_depth_cells: 0.5, ..Rules::default() });
         let growth = Strategy::Incremental.grow(&cells, &platform, &rules, &go).unwrap();
         if !growth.order.is_empty() && !growth.order.cells().is_empty() {
             let missed = growth.missed_cells();

@@ -47,7 +47,7 @@ const LEVEL: f64 = 1e-4;
 
 /// Least layer height, in cells. Below it a cell holds more than five surfaces, and the field knows nothing of what is
 /// between the centres of cells.
-const LEAST_HEIGHT: f64 = 0.2;
+const MIN_HEIGHT: f64 = 0.2;
 
 /// Where the vertex of a piece of a surface lies in its cube.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -126,7 +126,7 @@ impl ExtendedField {
     /// ```
     pub fn levels(&self, cell_mm: f64, height_mm: f64) -> Result<Vec<f64>, ContourError> {
         check_cell(cell_mm, Point3::origin())?;
-        if height_mm.is_nan() || height_mm < LEAST_HEIGHT * cell_mm {
+        if height_mm.is_nan() || height_mm < MIN_HEIGHT * cell_mm {
             return Err(ContourError::TooThin { height_mm, cell_mm });
         }
         let top = self.top();

@@ -55,10 +55,10 @@ pub struct CurveSkeleton {
 }
 
 /// Change of the area in one step, over the first area, at which the flow has ended (theirs).
-const LEAST_CHANGE: f64 = 1e-4;
+const MIN_CHANGE: f64 = 1e-4;
 
 /// Cosine of the largest angle of a triangle, 110 degrees (theirs); larger ones are split.
-const LARGEST_ANGLE: f64 = -0.342_020_143_325_668_7;
+const MAX_ANGLE: f64 = -0.342_020_143_325_668_7;
 
 /// Most triangles that splitting of long edges may make.
 const MAX_SPLITS: usize = 400_000;
@@ -132,7 +132,7 @@ pub(super) fn of_mesh(mesh: &ClosedMesh, options: &SkeletonOptions) -> CurveSkel
         fix_curves(&complex, &mut fixed, min_edge);
         steps += 1;
         let next = complex.area();
-        if (area - next).abs() < LEAST_CHANGE * first_area {
+        if (area - next).abs() < MIN_CHANGE * first_area {
             break;
         }
         area = next;
@@ -207,7 +207,7 @@ fn split_large_angles(complex: &mut Complex, fixed: &mut Vec<bool>, min_edge: f6
         .filter(|&[apex, a, b]| {
             let [p, a, b] = [apex, a, b].map(|v| complex.points[v as usize]);
             let (u, v) = (a - p, b - p);
-            u.dot(&v) < LARGEST_ANGLE * u.norm() * v.norm()
+            u.dot(&v) < MAX_ANGLE * u.norm() * v.norm()
         })
         .collect();
     for [apex, a, b] in large {

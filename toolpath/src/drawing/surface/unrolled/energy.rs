@@ -7,7 +7,7 @@
 //! again and again; the matrix stays the same (Liu et al. 2008, section 4).
 
 use super::patch::Patch;
-use crate::sparse::{Cholesky, Entries};
+use crate::sparse::{Entries, Factors};
 use nalgebra::Complex;
 
 type C = Complex<f64>;
@@ -68,7 +68,7 @@ pub fn conformal(patch: &Patch, shapes: &[[C; 3]]) -> Option<Vec<C>> {
             }
         }
     }
-    Cholesky::new(right.len(), &entries)?.solve(&mut right);
+    Factors::new(right.len(), &entries)?.solve(&mut right);
     for (value, unknown) in u.iter_mut().zip(&unknown) {
         if let Some(k) = unknown {
             *value = C::new(right[*k], right[k + 1]);
@@ -118,7 +118,7 @@ pub fn rigid(
             }
         }
     }
-    let system = Cholesky::new(u.len() - 1, &entries)?;
+    let system = Factors::new(u.len() - 1, &entries)?;
     let (mut rounds, mut fell, mut before) = (0, f64::INFINITY, f64::INFINITY);
     let scale: f64 = shapes.iter().map(|p| twice_area(*p)).sum();
     while rounds < max_rounds && fell > tolerance {
@@ -151,11 +151,12 @@ pub fn rigid(
                 }
             }
         }
-        let mut parts =
-            [right[1..].iter().map(|r| r.re).collect::<Vec<_>>(), right[1..].iter().map(|r| r.im).collect()];
-        parts.iter_mut().for_each(|part| system.solve(part));
+        // Real and imaginary parts are two right sides.
+        let mut parts: Vec<f64> = right[1..].iter().map(|r| r.re).chain(right[1..].iter().map(|r| r.im)).collect();
+        system.solve(&mut parts);
+        let (real, imaginary) = parts.split_at(right.len() - 1);
         for (k, value) in u[1..].iter_mut().enumerate() {
-            *value = C::new(parts[0][k], parts[1][k]);
+            *value = C::new(real[k], imaginary[k]);
         }
         // Of the energy, but for what is nothing beside the area of the patch.
         fell = if before.is_finite() { (before - energy) / energy.max(NOTHING * scale) } else { f64::INFINITY };

@@ -1,12 +1,12 @@
 //! Where things should stand: the search against all places of a fine grid, and what it refuses.
 
 use curvlay_kinematics::nalgebra::{Point3, Vector3};
-use curvlay_kinematics::{Assessment, PlaceError, StandRegion, Waypoint, best_stand};
+use curvlay_kinematics::{Assessment, FixtureRegion, PlaceError, Waypoint, best_fixture_place};
 use proptest::prelude::*;
 use std::ops::ControlFlow::{Break, Continue};
 
-fn region(min: [f64; 3], max: [f64; 3], coarse_mm: f64, fine_mm: f64) -> StandRegion {
-    StandRegion { min: min.into(), max: max.into(), coarse_mm, fine_mm }
+fn region(min: [f64; 3], max: [f64; 3], coarse_mm: f64, fine_mm: f64) -> FixtureRegion {
+    FixtureRegion { min: min.into(), max: max.into(), coarse_mm, fine_mm }
 }
 
 fn waypoints(count: usize) -> Vec<Waypoint> {
@@ -42,7 +42,7 @@ proptest! {
     ) {
         let region = region([x, -100.0, 0.0], [x + wide, -100.0 + 200.0 * deep as f64, 300.0], 90.0, 4.0);
         let waypoints = waypoints(count);
-        let best = best_stand(&region, &waypoints, 5.0, |place| Some(ball(place, radius)), &|_| Continue(())).unwrap();
+        let best = best_fixture_place(&region, &waypoints, 5.0, |place| Some(ball(place, radius)), &|_| Continue(())).unwrap();
         let found = worth(&best.place, &waypoints, radius);
         prop_assert_eq!((best.unreachable.len(), best.tight.len()), (found.0, found.1));
         let better = |place: &Point3<f64>| {
@@ -69,7 +69,8 @@ fn the_end_of_the_grid_is_within_the_region() {
     let x = -20.01103411324592;
     let region = region([x, -100.0, 0.0], [x + 394.6625015168784, -100.0, 300.0], 90.0, 4.0);
     let radius = 627.4319972505259;
-    let best = best_stand(&region, &waypoints(1), 5.0, |place| Some(ball(place, radius)), &|_| Continue(())).unwrap();
+    let best =
+        best_fixture_place(&region, &waypoints(1), 5.0, |place| Some(ball(place, radius)), &|_| Continue(())).unwrap();
     assert!((0..3).all(|k| (region.min[k]..=region.max[k]).contains(&best.place[k])), "{}", best.place);
 }
 
@@ -81,24 +82,25 @@ fn places_where_nothing_can_stand_are_passed_over() {
         let x = place.x;
         (x >= 250.0).then_some(move |_: usize, _: &Waypoint| Some(Assessment { clearance: 10.0, quality: -x }))
     };
-    let best = best_stand(&region, &waypoints(2), 5.0, at, &|_| Continue(())).unwrap();
+    let best = best_fixture_place(&region, &waypoints(2), 5.0, at, &|_| Continue(())).unwrap();
     assert!((250.0..=251.0).contains(&best.place.x), "{}", best.place);
     assert!(!best.at_end[0] && best.places > 7 && best.assessments > 0);
     let nowhere = |_: &Point3<f64>| None::<Worth>;
-    assert_eq!(best_stand(&region, &waypoints(2), 5.0, nowhere, &|_| Continue(())), Err(PlaceError::NoPlace));
+    assert_eq!(best_fixture_place(&region, &waypoints(2), 5.0, nowhere, &|_| Continue(())), Err(PlaceError::NoPlace));
     // The end of the region is told.
     let far = |place: &Point3<f64>| {
         let x = place.x;
         Some(move |_: usize, _: &Waypoint| Some(Assessment { clearance: 10.0, quality: x }))
     };
-    let best = best_stand(&region, &waypoints(2), 5.0, far, &|_| Continue(())).unwrap();
+    let best = best_fixture_place(&region, &waypoints(2), 5.0, far, &|_| Continue(())).unwrap();
     assert_eq!((best.place.x, best.at_end), (600.0, [true, false, false]));
 }
 
 #[test]
 fn bad_regions_are_refused() {
     let worth = |place: &Point3<f64>| Some(ball(place, 500.0));
-    let refused = |region: &StandRegion| best_stand(region, &waypoints(1), 5.0, worth, &|_| Continue(())).unwrap_err();
+    let refused =
+        |region: &FixtureRegion| best_fixture_place(region, &waypoints(1), 5.0, worth, &|_| Continue(())).unwrap_err();
     assert!(matches!(refused(&region([0.0; 3], [100.0; 3], 0.0, 1.0)), PlaceError::Option { what: "coarse_mm", .. }));
     assert!(matches!(
         refused(&region([0.0; 3], [100.0; 3], 10.0, f64::NAN)),
@@ -109,15 +111,18 @@ fn bad_regions_are_refused() {
     assert!(matches!(refused(&region([0.0; 3], [1e5; 3], 10.0, 1.0)), PlaceError::Option { what: "coarse_mm", .. }));
     let fine = region([0.0; 3], [100.0; 3], 50.0, 10.0);
     let bad = [Waypoint { position: Point3::new(f64::NAN, 0.0, 0.0), axis: Vector3::z_axis() }];
-    assert_eq!(best_stand(&fine, &bad, 5.0, worth, &|_| Continue(())).unwrap_err(), PlaceError::Waypoint { index: 0 });
+    assert_eq!(
+        best_fixture_place(&fine, &bad, 5.0, worth, &|_| Continue(())).unwrap_err(),
+        PlaceError::Waypoint { index: 0 }
+    );
     assert!(matches!(
-        best_stand(&fine, &waypoints(1), f64::NAN, worth, &|_| Continue(())),
+        best_fixture_place(&fine, &waypoints(1), f64::NAN, worth, &|_| Continue(())),
         Err(PlaceError::Option { .. })
     ));
-    assert_eq!(best_stand(&fine, &waypoints(1), 5.0, worth, &|_| Break(())), Err(PlaceError::Cancelled));
+    assert_eq!(best_fixture_place(&fine, &waypoints(1), 5.0, worth, &|_| Break(())), Err(PlaceError::Cancelled));
     let nan = |_: &Point3<f64>| Some(|_: usize, _: &Waypoint| Some(Assessment { clearance: f64::NAN, quality: 0.0 }));
     assert!(matches!(
-        best_stand(&fine, &waypoints(1), 5.0, nan, &|_| Continue(())),
+        best_fixture_place(&fine, &waypoints(1), 5.0, nan, &|_| Continue(())),
         Err(PlaceError::Assessment { .. })
     ));
 }

@@ -58,7 +58,7 @@ impl<const N: usize, const F: usize, R> Task<'_, N, F, R> {
 
 /// Waypoints, when the robot is there, and how.
 #[derive(Clone)]
-pub(super) struct Course<const N: usize, const F: usize> {
+pub(super) struct RunPlan<const N: usize, const F: usize> {
     pub waypoints: Vec<Waypoint>,
     pub times: Vec<f64>,
     pub nodes: Vec<LadderNode<N, F>>,
@@ -67,10 +67,10 @@ pub(super) struct Course<const N: usize, const F: usize> {
     pub of: Vec<usize>,
 }
 
-/// The motion along a course.
+/// The motion along a run plan.
 pub(super) struct Timed<const N: usize> {
     pub trajectory: Trajectory<N>,
-    /// The knot of the motion at each waypoint of the course.
+    /// The knot of the motion at each waypoint of the run plan.
     pub knots: Vec<usize>,
     /// The planned time of each knot of the motion.
     pub planned: Vec<f64>,
@@ -87,7 +87,7 @@ impl<const N: usize> Timed<N> {
     }
 }
 
-impl<const N: usize, const F: usize> Course<N, F> {
+impl<const N: usize, const F: usize> RunPlan<N, F> {
     /// The fastest motion within the limits that is nowhere faster than planned.
     pub fn timed<R: Sync>(&self, path: &PrintPath<'_>, task: &Task<'_, N, F, R>) -> Result<Timed<N>, PrintError> {
         let joints: Vec<[f64; N]> = self.nodes.iter().map(|node| node.joints).collect();
@@ -112,7 +112,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
     }
 
     /// Where a motion leaves the way too far: the waypoint before, and how far.
-    pub fn astray<R: PrintRobot<N, F>>(&self, motion: &Timed<N>, task: &Task<'_, N, F, R>) -> Vec<(usize, f64)> {
+    pub fn deviating<R: PrintRobot<N, F>>(&self, motion: &Timed<N>, task: &Task<'_, N, F, R>) -> Vec<(usize, f64)> {
         let PrintLimits { tolerance_mm, lever_mm, .. } = *task.limits;
         let off = path_deviations(task.robot, &self.waypoints, &motion.trajectory, &motion.times(), lever_mm);
         off.into_iter().enumerate().filter(|(_, mm)| *mm > PLANNED * tolerance_mm).collect()
@@ -152,7 +152,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
         steps
     }
 
-    /// The same course with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
+    /// The same run plan with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
     /// long is a quarter as far, and halved those on which it gouges or passes a stop. `None` if there are none, or none can be.
     pub fn split<R: PrintRobot<N, F>>(
         &self,
@@ -160,7 +160,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
         task: &Task<'_, N, F, R>,
         workcell: &impl PrintWorkcell<N>,
     ) -> Option<Self> {
-        let mut steps = self.astray(motion, task);
+        let mut steps = self.deviating(motion, task);
         let halved =
             self.gouging(motion, task.robot, workcell).into_iter().chain(self.beyond(motion, &task.limits.bounds));
         steps.extend(halved.map(|k| (k, 0.0)));
@@ -170,7 +170,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
             return None;
         }
         let passed = motion.times();
-        let mut split = Course { waypoints: vec![], times: vec![], nodes: vec![], path: self.path, of: vec![] };
+        let mut split = RunPlan { waypoints: vec![], times: vec![], nodes: vec![], path: self.path, of: vec![] };
         let mut steps = steps.into_iter().peekable();
         for k in 0..self.times.len() {
             let mut put = |waypoint, time, node| split.put(split.times.len(), waypoint, time, node, self.of[k]);
@@ -189,7 +189,7 @@ impl<const N: usize, const F: usize> Course<N, F> {
         (split.times.len() > self.times.len()).then_some(split)
     }
 
-    /// Lets two courses meet, of which one follows the other on the path: the second begins where the first ends, or the first
+    /// Lets two run_plans meet, of which one follows the other on the path: the second begins where the first ends, or the first
     /// goes on to where the second begins. So a path that breaks off between two waypoints, since a joint has come to a
     /// stop, is printed whole. Returns whether the arm can do one of the two.
     pub fn meet<R: PrintRobot<N, F>>(

@@ -12,7 +12,7 @@ const SAME_KNOT_S: f64 = 1e-6;
 /// What a motion is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum LegKind {
+pub enum SegmentKind {
     /// Along a path.
     Print,
     /// Off the end of a path.
@@ -23,26 +23,27 @@ pub enum LegKind {
     Approach,
 }
 
-impl LegKind {
+impl SegmentKind {
     /// All of them, in the order in which they follow each other.
-    pub const ALL: [LegKind; 4] = [LegKind::Print, LegKind::Lift, LegKind::Transfer, LegKind::Approach];
+    pub const ALL: [SegmentKind; 4] =
+        [SegmentKind::Print, SegmentKind::Lift, SegmentKind::Transfer, SegmentKind::Approach];
 
     /// In a word.
     pub fn name(self) -> &'static str {
         match self {
-            LegKind::Print => "print",
-            LegKind::Lift => "lift",
-            LegKind::Transfer => "transfer",
-            LegKind::Approach => "approach",
+            SegmentKind::Print => "print",
+            SegmentKind::Lift => "lift",
+            SegmentKind::Transfer => "transfer",
+            SegmentKind::Approach => "approach",
         }
     }
 }
 
 /// A motion, and the run that it is or that it leads on from.
 #[derive(Clone, Copy, Debug)]
-pub struct Leg<'a, const N: usize, const F: usize> {
+pub struct Segment<'a, const N: usize, const F: usize> {
     /// What it is for.
-    pub kind: LegKind,
+    pub kind: SegmentKind,
     /// The run that it is, or that it leads on from.
     pub run: &'a Run<N, F>,
     way: Way<'a, N>,
@@ -54,7 +55,7 @@ enum Way<'a, const N: usize> {
     Lines(&'a Transfer<N>),
 }
 
-impl<const N: usize, const F: usize> Leg<'_, N, F> {
+impl<const N: usize, const F: usize> Segment<'_, N, F> {
     /// In seconds.
     pub fn duration(&self) -> f64 {
         match self.way {
@@ -71,9 +72,9 @@ impl<const N: usize, const F: usize> Leg<'_, N, F> {
         }
     }
 
-    /// Millimetres of filament that are laid by a time since it began; 0 for legs that do not print.
+    /// Millimetres of filament that are laid by a time since it began; 0 for segments that do not print.
     pub fn filament_mm(&self, time: f64) -> f64 {
-        let (LegKind::Print, Way::Spline(spline)) = (self.kind, &self.way) else { return 0.0 };
+        let (SegmentKind::Print, Way::Spline(spline)) = (self.kind, &self.way) else { return 0.0 };
         let (times, filament) = (spline.times(), &self.run.filament_mm);
         let time = time + times[0];
         let after = times.partition_point(|knot| *knot <= time).clamp(1, times.len() - 1);
@@ -103,27 +104,30 @@ impl<const N: usize, const F: usize> Leg<'_, N, F> {
 
 impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// The motions of some runs, of the travels behind them, and of the ways from home and back. Those of no length are left out.
-    pub fn legs(&self, runs: Range<usize>) -> impl Iterator<Item = Leg<'_, N, F>> {
+    pub fn segments(&self, runs: Range<usize>) -> impl Iterator<Item = Segment<'_, N, F>> {
         runs.flat_map(move |number| {
             let run = &self.runs[number];
             let travel = self.travels.get(number).and_then(Option::as_ref);
             let (arrival, departure) = self.homes.get(number).map_or((None, None), |(a, d)| (a.as_ref(), d.as_ref()));
             let before = arrival.into_iter().flat_map(|arrival| {
-                [(LegKind::Transfer, Way::Lines(&arrival.way)), (LegKind::Approach, Way::Spline(&arrival.approach))]
+                [
+                    (SegmentKind::Transfer, Way::Lines(&arrival.way)),
+                    (SegmentKind::Approach, Way::Spline(&arrival.approach)),
+                ]
             });
             let behind = travel.into_iter().flat_map(|travel| {
                 [
-                    (LegKind::Lift, Way::Spline(&travel.lift)),
-                    (LegKind::Transfer, Way::Lines(&travel.way)),
-                    (LegKind::Approach, Way::Spline(&travel.approach)),
+                    (SegmentKind::Lift, Way::Spline(&travel.lift)),
+                    (SegmentKind::Transfer, Way::Lines(&travel.way)),
+                    (SegmentKind::Approach, Way::Spline(&travel.approach)),
                 ]
             });
             let back = departure.into_iter().flat_map(|departure| {
-                [(LegKind::Lift, Way::Spline(&departure.lift)), (LegKind::Transfer, Way::Lines(&departure.way))]
+                [(SegmentKind::Lift, Way::Spline(&departure.lift)), (SegmentKind::Transfer, Way::Lines(&departure.way))]
             });
-            let print = [(LegKind::Print, Way::Spline(&run.trajectory))];
+            let print = [(SegmentKind::Print, Way::Spline(&run.trajectory))];
             let all = before.chain(print).chain(behind).chain(back);
-            all.map(move |(kind, way)| Leg { kind, run, way }).filter(|leg| leg.duration() > SAME_KNOT_S)
+            all.map(move |(kind, way)| Segment { kind, run, way }).filter(|segment| segment.duration() > SAME_KNOT_S)
         })
     }
 
@@ -132,15 +136,15 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// anew ([`PrintPlan::with_homes`]), and programs begin and end around each of them.
     ///
     /// # Arguments
-    /// * `motions`: by their numbers in [`PrintPlan::legs`] of all runs.
+    /// * `motions`: by their numbers in [`PrintPlan::segments`] of all runs.
     pub fn without(&self, motions: &BTreeSet<usize>) -> Self {
         let (mut runs, mut travels, mut first) = (Vec::new(), Vec::new(), 0);
         for (number, run) in self.runs.iter().enumerate() {
-            let kinds: Vec<LegKind> = self.legs(number..number + 1).map(|leg| leg.kind).collect();
-            let print = first + kinds.iter().position(|kind| *kind == LegKind::Print).unwrap_or(0);
+            let kinds: Vec<SegmentKind> = self.segments(number..number + 1).map(|segment| segment.kind).collect();
+            let print = first + kinds.iter().position(|kind| *kind == SegmentKind::Print).unwrap_or(0);
             let last = first + kinds.len();
             let leads_home = self.homes.get(number).is_some_and(|(_, departure)| departure.is_some());
-            let any = |legs: Range<usize>| motions.range(legs).next().is_some();
+            let any = |segments: Range<usize>| motions.range(segments).next().is_some();
             let is_gone = any(first..print + 1) || (leads_home && any(print + 1..last));
             if is_gone {
                 travels.last_mut().into_iter().for_each(|to: &mut Option<Travel<N>>| *to = None);

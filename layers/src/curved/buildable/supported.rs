@@ -9,7 +9,11 @@ use crate::curved::growth::GrowthError;
 
 /// The cells that stand on the platform or lie on its mould, by rising number: the first layer of every order. With a mould some may lie
 /// inside the hull of both: these are not among them.
-pub(crate) fn standing(cells: &Cells, platform: &Platform, rules: &Rules) -> Result<Vec<u32>, GrowthError> {
+pub(crate) fn supported_by_platform(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+) -> Result<Vec<u32>, GrowthError> {
     let buried = buried(cells, platform, rules)?;
     Ok(carried(cells, platform, rules).into_iter().filter(|cell| buried.binary_search(cell).is_err()).collect())
 }

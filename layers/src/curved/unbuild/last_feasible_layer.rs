@@ -2,21 +2,21 @@
 
 use super::super::growth::GrowthError;
 use crate::cells::{CellSet, Cells, LayerOrder};
+use crate::curved::buildable::accessibility::AccessibilityTracker;
 use crate::curved::buildable::body::{Centres, hull_of_platform, points_of_mould};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
-use crate::curved::buildable::watch::Watch;
 use curvlay_hull::Hint;
 use std::iter;
 
 /// The last chances of some cells.
-pub(super) struct Chances {
+pub(super) struct LastFeasibleLayers {
     /// The cells, by rising number, and the chance of each.
     cells: Vec<u32>,
     last: Vec<u32>,
 }
 
-impl Chances {
+impl LastFeasibleLayers {
     /// The last layer, counted from 1, in which a cell still does not lie inside the hull of all earlier layers; `u32::MAX` if it never comes
     /// to lie inside, 0 if it does so from the start. The cell must be one of those that were asked for.
     pub(super) fn of(&self, cell: u32) -> u32 {
@@ -32,9 +32,9 @@ pub(super) fn last_chances(
     rules: &Rules,
     order: &LayerOrder,
     mut asked: CellSet,
-) -> Result<Chances, GrowthError> {
+) -> Result<LastFeasibleLayers, GrowthError> {
     let of: Vec<u32> = asked.iter().collect();
-    let mut chances = Chances { last: vec![u32::MAX; of.len()], cells: of };
+    let mut chances = LastFeasibleLayers { last: vec![u32::MAX; of.len()], cells: of };
     if chances.cells.is_empty() {
         return Ok(chances);
     }
@@ -42,7 +42,7 @@ pub(super) fn last_chances(
     let depth = rules.depth()?;
     let mut hull = hull_of_platform(platform, rules, depth)?;
     let mut hint = Hint::default();
-    let mut watch = Watch::new(platform.top(), depth);
+    let mut watch = AccessibilityTracker::new(platform.top(), depth);
     // The mould of the platform, which is in the hull already, comes before the first layer.
     for (number, layer) in (0..).zip(iter::once(&[][..]).chain(order.iter())) {
         let start = hull.checkpoint();

@@ -1,7 +1,7 @@
 //! What a user gives: regions, supports, loads; and what they are at the nodes.
 
 use super::ElasticError;
-use super::error::Given;
+use super::error::BoundaryCondition;
 use super::nodes::{EIGHT, NONE, Points};
 use super::operator::Triple;
 use nalgebra::{Point3, Vector3};
@@ -119,7 +119,7 @@ impl Places<'_> {
         Point3::from(self.nodes.place(node).map(|k| f64::from(k) * self.cell_mm))
     }
 
-    fn empty(&self, what: Given, number: usize) -> ElasticError {
+    fn empty(&self, what: BoundaryCondition, number: usize) -> ElasticError {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for node in 0..self.nodes.len() {
             let point = self.node(node);
@@ -134,7 +134,7 @@ impl Places<'_> {
         let mut moved: Vec<Triple> = vec![[0.0; 3]; self.nodes.len()];
         for (number, support) in supports.iter().enumerate() {
             if !support.region.is_number() || support.displacement_mm.iter().flatten().any(|d| !d.is_finite()) {
-                return Err(ElasticError::NotFinite { what: Given::Support, number });
+                return Err(ElasticError::NotFinite { what: BoundaryCondition::Support, number });
             }
             let mut any = false;
             for node in (0..self.nodes.len()).filter(|&node| support.region.holds(self.node(node), self.cell_mm)) {
@@ -150,7 +150,7 @@ impl Places<'_> {
                 }
             }
             if !any {
-                return Err(self.empty(Given::Support, number));
+                return Err(self.empty(BoundaryCondition::Support, number));
             }
         }
         if fixed.iter().all(|&bits| bits == 0) { Err(ElasticError::NoSupport) } else { Ok((fixed, moved)) }
@@ -166,7 +166,7 @@ impl Places<'_> {
                 Load::Body { newtons_mm3 } => (Region::EVERYWHERE, newtons_mm3),
             };
             if !region.is_number() || vector.iter().any(|k| !k.is_finite()) {
-                return Err(ElasticError::NotFinite { what: Given::Load, number });
+                return Err(ElasticError::NotFinite { what: BoundaryCondition::Load, number });
             }
             let mut push = |node: u32, share: f64| (0..3).for_each(|k| forces[node as usize][k] += share * vector[k]);
             if let Load::Body { .. } = load {
@@ -176,7 +176,7 @@ impl Places<'_> {
             }
             let faces = self.outer_faces(&region);
             if faces.is_empty() {
-                return Err(self.empty(Given::Load, number));
+                return Err(self.empty(BoundaryCondition::Load, number));
             }
             let area = match load {
                 Load::Force { .. } => 1.0 / faces.len() as f64,

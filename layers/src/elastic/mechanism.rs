@@ -1,7 +1,7 @@
 //! Whether the supports hold all of the part.
 
 use super::ElasticError;
-use super::given::Places;
+use super::conditions::Places;
 use nalgebra::{Matrix6, Point3, SymmetricEigen, Vector3, Vector6};
 
 /// Rigid motions with less than this share of the largest eigenvalue are free: lengths are measured in the size of the piece, so a
@@ -10,7 +10,7 @@ const FREE: f64 = 1e-10;
 
 /// How the supports hold a piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held {
+pub(super) struct HeldPiece {
     pub(super) cells: usize,
     /// Nodes with a fixed component, as often as cells have them.
     fixed: usize,
@@ -19,7 +19,7 @@ pub(super) struct Held {
     gram: Matrix6<f64>,
 }
 
-impl Held {
+impl HeldPiece {
     /// Motions of 6 that nothing holds.
     pub(super) fn free_motions(&self) -> usize {
         let eigenvalues = SymmetricEigen::new(self.gram).eigenvalues;
@@ -28,10 +28,10 @@ impl Held {
 }
 
 /// The pieces of the part with what holds them.
-pub(super) fn pieces_held(places: &Places, fixed: &[u8]) -> (Vec<u32>, Vec<Held>) {
+pub(super) fn pieces_held(places: &Places, fixed: &[u8]) -> (Vec<u32>, Vec<HeldPiece>) {
     let (piece_of, count) = places.pieces();
     let nowhere = Point3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
-    let nothing = Held { cells: 0, fixed: 0, low: nowhere, high: -nowhere, gram: Matrix6::zeros() };
+    let nothing = HeldPiece { cells: 0, fixed: 0, low: nowhere, high: -nowhere, gram: Matrix6::zeros() };
     let mut pieces = vec![nothing; count];
     for (cell, &piece) in piece_of.iter().enumerate() {
         let piece = &mut pieces[piece as usize];
@@ -70,7 +70,7 @@ pub(super) fn check(places: &Places, fixed: &[u8]) -> Result<(), ElasticError> {
     }
 }
 
-impl Held {
+impl HeldPiece {
     /// Whether it has a supported node.
     pub(super) fn is_supported(&self) -> bool {
         self.fixed > 0

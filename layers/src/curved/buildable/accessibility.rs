@@ -19,7 +19,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// The waiting cells by the directions that prove them accessible.
 #[derive(Debug)]
-pub(crate) struct Watch {
+pub(crate) struct AccessibilityTracker {
     /// From this level on straight up is the proof of every waiting cell.
     untouched: u32,
     /// Highest point of the front, and the margin, for that direction.
@@ -49,11 +49,11 @@ pub(crate) struct Endangered {
     pub(crate) proof: Plane,
 }
 
-impl Watch {
+impl AccessibilityTracker {
     /// Watches all cells, which lie above the plane `z = top`; `depth` is that from which a cell counts as inside.
     pub(crate) fn new(top: i32, depth: Depth) -> Self {
         let up = Plane::at([0, 0, 1], [0, 0, top], depth);
-        Watch { untouched: 0, up, groups: Vec::new(), group_of: HashMap::new(), last: None }
+        AccessibilityTracker { untouched: 0, up, groups: Vec::new(), group_of: HashMap::new(), last: None }
     }
 
     /// Watches the cell at `point`, which `proof` shows to be accessible: a plane with all of the front below it.

@@ -1,4 +1,4 @@
-//! Where what stands still in a workcell should stand: a nozzle, a plate or a table, within the region that the workcell allows.
+//! The best place of a fixture: a nozzle, a plate or a table, within the region that the workcell allows.
 //!
 //! C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.3.1, counts frames in a box, which knows no
 //! collisions: the more the arm is in its own way the better. Here a place is worth what the waypoints of a part are worth there, as in
@@ -8,15 +8,14 @@
 //! better. It is no proof that there is no better place between those of the grid.
 
 use super::part::{Assessment, PlaceError, Score, is_place};
-use crate::pose::LARGEST;
-use crate::progress::Progress;
+use crate::pose::MAX_COORDINATE;
+use crate::progress::{Progress, ProgressFn};
 use crate::setup::Waypoint;
 use nalgebra::{Point3, Vector3};
-use std::ops::ControlFlow;
 
-/// Where something may stand, and how finely places are looked at.
+/// Where a fixture may be, and how finely places are looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StandRegion {
+pub struct FixtureRegion {
     /// The corner with the smallest coordinates, in millimetres. Along a coordinate in which both corners are the same nothing moves.
     pub min: Point3<f64>,
     /// The corner with the greatest.
@@ -29,7 +28,7 @@ pub struct StandRegion {
 
 /// The best place that was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BestStand {
+pub struct BestFixturePlace {
     /// The place.
     pub place: Point3<f64>,
     /// Waypoints that have no free posture there, in ascending order.
@@ -61,16 +60,16 @@ const MAX_PLACES: f64 = 1e5;
 /// [`PlaceError`] names the option or the waypoint; [`PlaceError::NoPlace`] where nothing can stand anywhere.
 ///
 /// # Cost
-/// A few hundred places, each of at most `waypoints` assessments; a place is dropped as soon as it is worse than the best. The result does not depend
+/// A few hundred places, each of at most `waypoints` assessments; the search drops a place once it is worse than the best. The result does not depend
 /// on what is dropped.
 ///
 /// # Example
 /// ```
 /// use curvlay_kinematics::nalgebra::{Point3, Vector3};
-/// use curvlay_kinematics::{Assessment, StandRegion, Waypoint, best_stand};
+/// use curvlay_kinematics::{Assessment, FixtureRegion, Waypoint, best_fixture_place};
 /// use std::ops::ControlFlow::Continue;
 /// // An arm that reaches from 200 to 600 mm, and is best at 390.
-/// let region = StandRegion { min: Point3::new(0.0, 0.0, 50.0), max: Point3::new(800.0, 0.0, 50.0), coarse_mm: 100.0, fine_mm: 2.0 };
+/// let region = FixtureRegion { min: Point3::new(0.0, 0.0, 50.0), max: Point3::new(800.0, 0.0, 50.0), coarse_mm: 100.0, fine_mm: 2.0 };
 /// let waypoints = [Waypoint { position: Point3::origin(), axis: Vector3::z_axis() }];
 /// let at = |place: &Point3<f64>| {
 ///     let x = place.x;
@@ -78,18 +77,18 @@ const MAX_PLACES: f64 = 1e5;
 ///         (200.0..=600.0).contains(&x).then_some(Assessment { clearance: 10.0, quality: -(x - 390.0).abs() })
 ///     })
 /// };
-/// let best = best_stand(&region, &waypoints, 5.0, at, &|_| Continue(()))?;
+/// let best = best_fixture_place(&region, &waypoints, 5.0, at, &|_| Continue(()))?;
 /// assert!((best.place.x - 390.0).abs() <= 2.0 && best.place.z == 50.0 && best.unreachable.is_empty());
 /// assert_eq!(best.at_end, [false; 3]);
 /// # Ok::<(), curvlay_kinematics::PlaceError>(())
 /// ```
-pub fn best_stand<A: FnMut(usize, &Waypoint) -> Option<Assessment>>(
-    region: &StandRegion,
+pub fn best_fixture_place<A: FnMut(usize, &Waypoint) -> Option<Assessment>>(
+    region: &FixtureRegion,
     waypoints: &[Waypoint],
     min_clearance: f64,
     at: impl FnMut(&Point3<f64>) -> Option<A>,
-    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-) -> Result<BestStand, PlaceError> {
+    progress: ProgressFn<'_>,
+) -> Result<BestFixturePlace, PlaceError> {
     let grid = checked(region, waypoints, min_clearance)?;
     let mut search = Search {
         waypoints,
@@ -134,23 +133,23 @@ pub fn best_stand<A: FnMut(usize, &Waypoint) -> Option<Assessment>>(
         let (min, max) = (region.min[k], region.max[k]);
         max > min && (place[k] - min).min(max - place[k]) < region.fine_mm
     });
-    Ok(BestStand { place, unreachable, tight, min_quality, places, assessments, at_end })
+    Ok(BestFixturePlace { place, unreachable, tight, min_quality, places, assessments, at_end })
 }
 
 /// Places of the grid along a coordinate, less one.
-fn parts(region: &StandRegion) -> [f64; 3] {
+fn parts(region: &FixtureRegion) -> [f64; 3] {
     [0, 1, 2].map(|k| ((region.max[k] - region.min[k]) / region.coarse_mm).ceil())
 }
 
-fn spacing(region: &StandRegion) -> Vector3<f64> {
+fn spacing(region: &FixtureRegion) -> Vector3<f64> {
     let parts = parts(region);
     Vector3::from([0, 1, 2].map(|k| if parts[k] > 0.0 { (region.max[k] - region.min[k]) / parts[k] } else { 0.0 }))
 }
 
 /// The coarse grid, the middle of the region first, since a good place drops the others sooner.
-fn checked(region: &StandRegion, waypoints: &[Waypoint], min_clearance: f64) -> Result<Vec<Point3<f64>>, PlaceError> {
+fn checked(region: &FixtureRegion, waypoints: &[Waypoint], min_clearance: f64) -> Result<Vec<Point3<f64>>, PlaceError> {
     for (what, value) in [("coarse_mm", region.coarse_mm), ("fine_mm", region.fine_mm)] {
-        if !(value > 0.0 && value <= LARGEST) {
+        if !(value > 0.0 && value <= MAX_COORDINATE) {
             return Err(PlaceError::Option { what, value, must: "above 0 and at most 1e6" });
         }
     }
@@ -159,8 +158,8 @@ fn checked(region: &StandRegion, waypoints: &[Waypoint], min_clearance: f64) -> 
     }
     for k in 0..3 {
         let (min, max) = (region.min[k], region.max[k]);
-        if !(min.abs() <= LARGEST && max.abs() <= LARGEST && min <= max) {
-            let value = if max.abs() <= LARGEST { min } else { max };
+        if !(min.abs() <= MAX_COORDINATE && max.abs() <= MAX_COORDINATE && min <= max) {
+            let value = if max.abs() <= MAX_COORDINATE { min } else { max };
             return Err(PlaceError::Option {
                 what: "region",
                 value,
@@ -206,12 +205,7 @@ struct Search<'a, F> {
 
 impl<A: FnMut(usize, &Waypoint) -> Option<Assessment>, F: FnMut(&Point3<f64>) -> Option<A>> Search<'_, F> {
     /// Looks at a place, and keeps it if it is better than the best.
-    fn step(
-        &mut self,
-        place: &Point3<f64>,
-        total: u64,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<(), PlaceError> {
+    fn step(&mut self, place: &Point3<f64>, total: u64, progress: ProgressFn<'_>) -> Result<(), PlaceError> {
         let done = self.places as u64;
         if progress(Progress { stage: "stand", done, total: total.max(done) }).is_break() {
             return Err(PlaceError::Cancelled);

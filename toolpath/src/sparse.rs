@@ -1,0 +1,191 @@
+//! Sparse symmetric systems over the vertices of a mesh: factors `L L^T`, by `faer`, which no other file of the crate knows.
+//!
+//! The order of the unknowns is the approximate minimum degree; large systems are factorised in dense blocks. One thread, always, so results
+//! do not depend on the number of threads. Blocks go by the vector unit of the processor: between machines the last bits may differ.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+use nalgebra::{Matrix2, Vector2};
+
+/// Entries of a symmetric matrix; those of one place are added. Give each pair of a row and a column once, in either order.
+#[derive(Debug, Default)]
+pub(crate) struct Entries(Vec<(usize, usize, f64)>);
+
+impl Entries {
+    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.0.push((row.max(column), row.min(column), value));
+    }
+
+    /// Adds a block of two by two numbers, which couples the complex unknowns of two vertices. On the diagonal it is symmetric.
+    pub(crate) fn add_block(&mut self, row: usize, column: usize, block: Matrix2<f64>) {
+        for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            // Both halves of a block on the diagonal are the same pair.
+            if row != column || a >= b {
+                self.add(2 * row + a, 2 * column + b, block[(a, b)]);
+            }
+        }
+    }
+}
+
+/// A factorised matrix.
+#[derive(Debug)]
+pub(crate) struct Factors {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+}
+
+impl Factors {
+    /// Factorises; `None` if the matrix is not positive definite, or not finite.
+    pub(crate) fn new(size: usize, entries: &Entries) -> Option<Self> {
+        let (starts, rows, numbers) = columns(size, entries)?;
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
+        let params = CholeskySymbolicParams::default();
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok()?;
+        let mut values = vec![0.0; symbolic.len_val()];
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).ok()?;
+        let found = symbolic.factorize_numeric_llt(
+            &mut values,
+            SparseColMatRef::new(pattern, &numbers),
+            Side::Lower,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        found.ok()?;
+        Some(Factors { symbolic, values })
+    }
+
+    /// Solves for right sides of a number a row, one after the other in `right`, in place.
+    pub(crate) fn solve(&self, right: &mut [f64]) {
+        let size = self.symbolic.nrows();
+        let columns = right.len().checked_div(size).unwrap_or(0);
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        let right = MatMut::from_column_major_slice_mut(right, size, columns);
+        let factors = LltRef::new(&self.symbolic, &self.values);
+        factors.solve_in_place_with_conj(Conj::No, right, Par::Seq, MemStack::new(&mut memory));
+    }
+
+    /// Solves for one right side of a pair of numbers a vertex, in place.
+    pub(crate) fn solve_pairs(&self, right: &mut [Vector2<f64>]) {
+        let mut flat: Vec<f64> = right.iter().flat_map(|pair| [pair.x, pair.y]).collect();
+        self.solve(&mut flat);
+        right.iter_mut().zip(flat.chunks_exact(2)).for_each(|(pair, found)| *pair = Vector2::new(found[0], found[1]));
+    }
+}
+
+/// Where the columns of the lower half begin, their rows, and their numbers.
+type Columns = (Vec<usize>, Vec<usize>, Vec<f64>);
+
+/// The lower half column by column, entries of one place added in the order in which they came. `None` if a number is not finite, or a row has
+/// nothing on its diagonal: then the matrix is not positive definite.
+fn columns(size: usize, entries: &Entries) -> Option<Columns> {
+    if entries.0.iter().any(|(.., value)| !value.is_finite()) {
+        return None;
+    }
+    let mut sorted: Vec<&(usize, usize, f64)> = entries.0.iter().collect();
+    sorted.sort_by_key(|&&(row, column, _)| (column, row));
+    let (mut starts, mut rows, mut numbers) = (vec![0; size + 1], Vec::new(), Vec::new());
+    for same in sorted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let &&(row, column, _) = same.first()?;
+        // The diagonal is the first of its column.
+        if starts[column + 1] == 0 && row != column {
+            return None;
+        }
+        starts[column + 1] += 1;
+        rows.push(row);
+        numbers.push(same.iter().fold(0.0, |sum, (.., value)| sum + value));
+    }
+    if starts[1..].contains(&0) {
+        return None;
+    }
+    (0..size).for_each(|k| starts[k + 1] += starts[k]);
+    Some((starts, rows, numbers))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Entries, Factors};
+    use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+
+    #[test]
+    fn solutions_are_those_of_dense_elimination() {
+        // A ring with chords and a different diagonal: nothing is regular.
+        for size in [1usize, 2, 7, 40] {
+            let (mut entries, mut dense) = (Entries::default(), DMatrix::<f64>::zeros(size, size));
+            for k in 0..size {
+                for (other, value) in [(k, 1.0 + k as f64), ((k + 1) % size, -0.7), ((k * k + 3) % size, 0.3)] {
+                    // As a square, it is positive.
+                    for (a, b) in [(k, k), (other, other)] {
+                        entries.add(a, b, value.abs());
+                        dense[(a, b)] += value.abs();
+                    }
+                    if other != k {
+                        entries.add(other, k, value);
+                        dense[(k, other)] += value;
+                        dense[(other, k)] += value;
+                    }
+                }
+                entries.add(k, k, 0.5);
+                dense[(k, k)] += 0.5;
+            }
+            let right = DVector::from_fn(size, |k, _| (k as f64).sin() + 0.1);
+            let mut ours: Vec<f64> = right.iter().copied().collect();
+            Factors::new(size, &entries).unwrap().solve(&mut ours);
+            let theirs = dense.lu().solve(&right).unwrap();
+            assert!((DVector::from_vec(ours) - theirs).amax() < 1e-12, "{size}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_positive_is_refused() {
+        let matrix = |values: [f64; 3]| {
+            let mut entries = Entries::default();
+            entries.add(0, 0, values[0]);
+            entries.add(1, 0, values[1]);
+            entries.add(1, 1, values[2]);
+            Factors::new(2, &entries)
+        };
+        assert!(matrix([1.0, 0.5, 1.0]).is_some());
+        assert!(matrix([1.0, 1.0, 1.0]).is_none() && matrix([-1.0, 0.0, 1.0]).is_none());
+        assert!(matrix([1.0, f64::NAN, 1.0]).is_none());
+        assert!(Factors::new(2, &Entries::default()).is_none());
+    }
+
+    #[test]
+    fn blocks_are_solved_as_their_numbers() {
+        // Blocks that are neither symmetric nor commute, given in either order.
+        let size = 30;
+        let (mut entries, mut dense) = (Entries::default(), DMatrix::<f64>::zeros(2 * size, 2 * size));
+        let mut add = |row: usize, column: usize, block: Matrix2<f64>| {
+            entries.add_block(row, column, block);
+            for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                dense[(2 * row + a, 2 * column + b)] += block[(a, b)];
+                if row != column {
+                    dense[(2 * column + b, 2 * row + a)] += block[(a, b)];
+                }
+            }
+        };
+        for k in 0..size {
+            add(k, k, Matrix2::new(9.0, 0.5, 0.5, 8.0));
+            let seed = k as f64;
+            add(k, (k + 1) % size, Matrix2::new(seed.sin(), 0.3, -0.9, seed.cos()));
+            let chord = (k * k + 3) % size;
+            if chord != k {
+                add(k, chord, Matrix2::new(0.2, seed.cos(), 0.4, -0.1));
+            }
+        }
+        let right: Vec<_> = (0..size).map(|k| Vector2::new((k as f64).sin(), 1.0 - 0.1 * k as f64)).collect();
+        let mut ours = right.clone();
+        Factors::new(2 * size, &entries).unwrap().solve_pairs(&mut ours);
+        let flat = |parts: &[Vector2<f64>]| DVector::from_iterator(2 * size, parts.iter().flat_map(|p| [p.x, p.y]));
+        let theirs = dense.lu().solve(&flat(&right)).unwrap();
+        assert!((flat(&ours) - theirs).amax() < 1e-12);
+    }
+}
