@@ -17,7 +17,7 @@ use curvlay_voxel::TextGrid;
 use std::io::{self, Write};
 use std::time::Duration;
 
-/// A line for each layer of an order.
+/// The cells of the best order with their layers.
 pub const LAYERS_FILE: &str = "layers.csv";
 
 /// Pixels of each picture: squares of 20 pixels for the 35 cells of the large platform.

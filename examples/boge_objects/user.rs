@@ -16,8 +16,6 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The cells of the best order with their layers.
-
 /// What is asked for.
 #[derive(Clone, Debug)]
 pub struct Request {

@@ -49,7 +49,7 @@ pub struct CompleteArgs {
 pub enum LayersBy {
     /// By convex hulls, which let a nozzle of any size pass.
     Hull,
-    /// By the distance from what the part stands on, inside the part, as far as the nozzle that prints reaches: layers that do not tear.
+    /// By the distance from what the part stands on, inside the part, within the reach of the nozzle: layers that do not tear.
     Distance,
     /// By the distance, leaning from upright no more than the cone of the nozzle allows; half layers where layers are thick.
     Directed,

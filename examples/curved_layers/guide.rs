@@ -129,7 +129,7 @@ impl GivenDirections {
             );
         }
         if *too_steep > 0 {
-            let limit = "they are followed to that side as far as layers may lean";
+            let limit = "layers follow them up to that tilt";
             let what = format!(
                 "{name}: directions lean from upright by more than {max_tilt_deg:.0} degrees: {limit} (--max-layer-tilt)"
             );

@@ -234,5 +234,5 @@ impl Job<'_> {
     }
 }
 
-/// How often motions are written, checked, and unsafe ones taken out, at most; if some are unsafe at last, there are no programs.
+/// Maximum rounds of writing and checking motions and removing unsafe ones; if some are still unsafe then, there are no programs.
 const CHECK_ROUNDS: usize = 8;

@@ -220,7 +220,9 @@ pub fn method_name(method: UniformMethod) -> String {
         }
         UniformMethod::Coherent => "coherent field".to_owned(),
         UniformMethod::Distance => "distance from what the part stands on".to_owned(),
-        UniformMethod::Directed => "directions of the distance, as far as the nozzle's cone lets them lean".to_owned(),
+        UniformMethod::Directed => {
+            "directions of the distance, within the tilt that the cone of the nozzle allows".to_owned()
+        }
         _ => "plain".to_owned(),
     }
 }

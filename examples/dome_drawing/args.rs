@@ -191,7 +191,7 @@ pub enum ProjectionKind {
     Point,
     /// With the lengths of the meridians.
     Meridian,
-    /// Onto a mesh that is unrolled with its lengths, as far as that is possible.
+    /// Onto a mesh that is unrolled with the least distortion of its lengths.
     Rigid,
     /// Onto a mesh that is unrolled with its angles.
     Conformal,

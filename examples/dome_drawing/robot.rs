@@ -159,7 +159,7 @@ pub fn program(args: &Args, plan: &Plan, bars: &Bars) -> Result<Program, Failure
     Ok(Program { print, files, written })
 }
 
-/// The home position of a stream: the pole below the nozzle, as far as between strokes.
+/// The home position of a stream: the pole below the nozzle, at the distance that it has between strokes.
 fn home(arm: &Arm, print: &DomePrint, options: &DomeOptions) -> [f64; 6] {
     let mut pose = arm.forward(&print.home);
     pose.translation.z -= options.hop_mm;

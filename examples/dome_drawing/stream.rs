@@ -50,7 +50,7 @@ pub enum StreamError {
 /// Commands are looked for, and replies waited for, in steps of this.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Longest reply; more without a line feed is none.
+/// Maximum length of a reply; more bytes without a line feed are not a reply.
 const LONGEST_REPLY: usize = 200;
 
 /// Highest and lowest nozzle that a command may ask for, in millimetres.

@@ -102,7 +102,7 @@ pub fn set_study(study: &Study, summary: &mut Summary) -> Result<(), Failure> {
 fn set_row(place: &str, row: &Row, summary: &mut Summary) -> Result<(), Failure> {
     let name = format!("{place}{}", row.name);
     for (place, k) in [("near", 0), ("contact", 1)] {
-        // A rate of nothing is none.
+        // Nothing to count gives no rate.
         for (what, rate) in [("tnr", row.tnr[k]), ("missed", row.missed[k])] {
             if let Some(rate) = rate {
                 summary.set(&format!("{name}_{what}_{place}"), rate)?;

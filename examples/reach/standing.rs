@@ -256,7 +256,7 @@ fn region(cell: &AnyWorkcell, is_shipped: bool, args: &Args) -> Result<FixtureRe
     Ok(FixtureRegion { min, max, coarse_mm: args.coarse_mm, fine_mm: args.fine_mm })
 }
 
-/// A cell with the part as far as it is built at each layer of waypoints.
+/// A workcell with the part as built at each layer of waypoints.
 struct Rated {
     cell: AnyWorkcell,
     scenes: Vec<Scene>,

@@ -137,7 +137,7 @@ pub fn reason(left: &Left) -> String {
     }
 }
 
-/// A root that is none is an argument of the user's.
+/// An invalid root is an invalid argument.
 fn no_root(error: RoboFdmError) -> Failure {
     match error {
         RoboFdmError::Root { root, parts } => Failure::of_arguments(format!(

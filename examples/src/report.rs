@@ -133,7 +133,7 @@ impl Report {
         self.push(&html)
     }
 
-    /// The build, to be turned and played.
+    /// An interactive 3D view of the build.
     pub fn viewer(&mut self, model: &Model) -> &mut Self {
         self.push(&model.to_html())
     }

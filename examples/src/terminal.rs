@@ -24,7 +24,7 @@ pub fn warn_if_open(open_edges: usize) {
 
 /// Writes a line to stderr.
 pub(crate) fn say(line: &str) {
-    // With stderr gone there is no place left to complain.
+    // Nothing can be reported without stderr.
     let _ = writeln!(io::stderr(), "{}", printable(line));
 }
 

@@ -20,7 +20,7 @@ const VIOLET: [u8; 3] = [150, 60, 200];
 const BLUE: [u8; 3] = [40, 110, 230];
 const PINK: [u8; 3] = [232, 0, 150];
 
-/// The build as far as it has come.
+/// The build so far.
 pub fn model(job: &Job, results: &Results) -> Model {
     let Results { field, surfaces, machine, motion, .. } = results;
     let grid = &field.solid.grid;

@@ -30,7 +30,7 @@ const POOL: usize = 6;
 const GAP_HEIGHT: f64 = 3.0;
 const GAP_NEAR_MM: f64 = 1.0;
 
-/// One indicator in Table 4.1; a rate is none where there was nothing to count.
+/// One indicator in Table 4.1; no rate where there was nothing to count.
 pub struct Row {
     pub name: &'static str,
     /// Eq. 4.16, near the contact space and on it.

@@ -39,7 +39,7 @@ impl Common {
     }
 }
 
-/// Most threads that make sense: more only cost memory, and a slip of the keyboard should not start a million.
+/// Maximum number of threads: more only cost memory, and a typing error must not start a million.
 const MAX_THREADS: usize = 1024;
 
 fn cores() -> usize {

@@ -13,7 +13,7 @@ use curvlay_trajectory::print::{Clearance, Moment, PrintOptions, PrintPath, Prin
 use curvlay_trajectory::transfer::FreeSpace;
 use nalgebra::Isometry3;
 
-/// A workcell with the part as far as it is built.
+/// A workcell with the part as built so far.
 #[derive(Clone)]
 pub struct PrintingCell<'a, const N: usize, const F: usize, W> {
     scene: GrowingScene<'a, N, F, W>,

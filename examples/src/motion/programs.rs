@@ -57,7 +57,7 @@ pub fn cuts<const N: usize, const F: usize, W: Workcell<N, F>>(
     pieces.into_iter().map(|piece| piece.motions.start).filter(|start| *start > 0).collect()
 }
 
-/// The runs of each program: from home to home, where the plan has such ways, or else as far as travels lead.
+/// The runs of each program: from home to home where the plan has such ways, else up to the last travel that was found.
 pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Range<usize>> {
     let mut pieces: Vec<Range<usize>> = Vec::new();
     for run in 0..plan.runs.len() {
