@@ -274,7 +274,7 @@ pub fn check_support(
 /// use std::ops::ControlFlow;
 /// // A table of 20 x 20 mm at a height of 5 mm, and a bead of 1 mm that goes on beyond its edge.
 /// let vertices = [[0.0, 0.0, 5.0], [20.0, 0.0, 5.0], [20.0, 20.0, 5.0], [0.0, 20.0, 5.0]].map(Point3::from);
-/// let mould = Mould { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], skin: 1.0 };
+/// let mould = Mould { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: 1.0 };
 /// let at = |x| Waypoint {
 ///     tip: Point3::new(x, 10.0, 6.0), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
 /// };

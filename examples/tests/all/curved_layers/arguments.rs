@@ -184,7 +184,7 @@ fn profiles_are_taken_and_options_win() {
         (r#"{"bead_mm": -0.5}"#, 1, "`bead_mm` is -0.5: must be above 0"),
         (r#"{"bead_mm": "wide"}"#, 1, "line 1 column"),
         (r#"{"nozzle": [9, 30, 8, 30]}"#, 1, "`nozzle`: "),
-        (r#"{"start_gcode": ["G28", "M109 S{nozle}"]}"#, 1, "the header, line 2: `{nozle}` is none of nozzle"),
+        (r#"{"start_gcode": ["G28", "M109 S{nozle}"]}"#, 1, "the header, line 2: `{nozle}` is not one of nozzle"),
         (r#"{"start_gcode": ["G28", "M109\nS210"]}"#, 1, "`start_gcode`, line 2: a line break within a line"),
         (r#"{"end_gcode": ["M84 {"]}"#, 1, "the footer, line 1: a single `{`"),
         (r#"{"workcell": "no-such.json"}"#, 1, "no-such.json"),
