@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use curvlay_examples::args::{from_zero, typed_name};
 use curvlay_layers::curved::{self, DirectedOptions, LayerOptions, NozzleRule, NozzleUse, SupportOptions};
-use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::gouging::{Nozzle, NozzleShape};
 
 /// Cells that no order builds by the hull rule.
 #[derive(Args, Clone, Copy, Debug)]
@@ -112,12 +112,12 @@ impl CompleteArgs {
     /// As layering takes them.
     pub fn options(self, layers_by: LayersBy, is_best: bool, nozzle: &Nozzle) -> LayerOptions {
         let (growth, support) = self.with_strategy(is_best);
+        let NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm } = nozzle.shape();
         let rule = NozzleRule {
-            tip_flat_mm: 2.0 * nozzle.tip_radius(),
-            half_angle: ((nozzle.cone_radius() - nozzle.tip_radius()) / nozzle.cone_height()).atan(),
-            cone_height_mm: nozzle.cone_height(),
-            // Rounding must not make the block narrower than the cone.
-            block_mm: 2.0 * nozzle.block_radius().max(nozzle.cone_radius() * (1.0 + 1e-9)),
+            tip_flat_mm,
+            half_angle,
+            cone_height_mm,
+            block_mm,
             max_tilt: self.max_tilt.to_radians(),
             margin: self.nozzle_margin,
         };

@@ -5,7 +5,7 @@
 
 use curvlay_kinematics::workcell::{ClearanceLevel, Equipment, GrowingScene, NOZZLE, Workcell};
 use curvlay_toolpath::deposit::{Deposition, PathSchedule};
-use curvlay_toolpath::gouging::{self, ContactError, Contacts, Nozzle, NozzleError, NozzlePart, Obstacle};
+use curvlay_toolpath::gouging::{self, ContactError, Contacts, Nozzle, NozzleError, NozzlePart, NozzleShape, Obstacle};
 use curvlay_toolpath::orientation::{Pose, ToolPath};
 use curvlay_trajectory::check::{Contact, GrowingPrintScene};
 use curvlay_trajectory::indicator::CollisionIndicator;
@@ -34,8 +34,12 @@ pub fn waypoints(path: &ToolPath) -> Vec<Waypoint> {
 /// [`NozzleError`] for one that these cannot have.
 pub fn nozzle_of(equipment: &Equipment) -> Result<Nozzle, NozzleError> {
     let shape = &equipment.model().nozzle;
-    let half_angle = shape.cone_half_angle_deg.to_radians();
-    Nozzle::new(shape.tip_flat_mm, half_angle, shape.cone_height_mm, shape.block_diameter_mm)
+    Nozzle::new(NozzleShape {
+        tip_flat_mm: shape.tip_flat_mm,
+        half_angle: shape.cone_half_angle_deg.to_radians(),
+        cone_height_mm: shape.cone_height_mm,
+        block_mm: shape.block_diameter_mm,
+    })
 }
 
 /// The paths of a print in the part frame, with the plan of what they lay when.

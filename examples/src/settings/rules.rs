@@ -1,7 +1,7 @@
 //! Which values a setting may have, for clap.
 
 use crate::args::{above_zero, from_zero};
-use curvlay_toolpath::gouging::Nozzle;
+use curvlay_toolpath::gouging::{Nozzle, NozzleShape};
 
 /// A nozzle as four numbers, for clap: tip flat, half angle in degrees, height of the cone, block.
 ///
@@ -14,8 +14,12 @@ pub fn nozzle(text: &str) -> Result<[f64; 4], String> {
             "must be four numbers: tip flat (mm), half angle (degrees), height of the cone, block (mm)".to_owned()
         );
     };
-    let [tip, angle, height, block] = shape;
-    Nozzle::new(tip, angle.to_radians(), height, block).map(|_| shape).map_err(|error| error.to_string())
+    Nozzle::new(nozzle_shape(shape)).map(|_| shape).map_err(|error| error.to_string())
+}
+
+/// The measures of a nozzle as `--nozzle` has them: tip flat (mm), half angle (degrees), height of the cone, block (mm).
+pub fn nozzle_shape([tip_flat_mm, half_angle_deg, cone_height_mm, block_mm]: [f64; 4]) -> NozzleShape {
+    NozzleShape { tip_flat_mm, half_angle: half_angle_deg.to_radians(), cone_height_mm, block_mm }
 }
 
 /// Most walls, and layers of a skin.

@@ -1,10 +1,12 @@
 //! What two crates need from each other crosses as plain data: the same fields, units and order on both sides, so that a conversion is
-//! field by field and loses nothing. The table stands in ARCHITECTURE.md, "Plain data between crates".
+//! field by field and loses nothing. The table is in ARCHITECTURE.md, "Plain data between crates".
 //!
 //! Fields are named one by one, without `..`: a field that one side gains does not compile here.
 
 use curvlay_examples::motion::bounds_of;
 use curvlay_kinematics::{self as kinematics, JointLimits, robots};
+use curvlay_layers::curved::NozzleRule;
+use curvlay_toolpath::gouging::{Nozzle, NozzleShape};
 use curvlay_trajectory::{Bounds, check, print};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 
@@ -62,6 +64,24 @@ fn invalid_limits_are_invalid_on_both_sides() {
     ] {
         assert!(limits.check().is_err() && bounds_of(&limits).check().is_err(), "{limits:?}");
     }
+}
+
+#[test]
+fn nozzles_cross_each_way_and_back() {
+    let slim = NozzleShape { tip_flat_mm: 0.3, half_angle: 0.1, cone_height_mm: 20.0 / 3.0, block_mm: 8.0 };
+    for shape in [Nozzle::default().shape(), slim] {
+        let NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm } = Nozzle::new(shape).unwrap().shape();
+        let rule = NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, ..NozzleRule::default() };
+        assert_eq!(rule.check(), Ok(()));
+        let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt: _, margin: _ } = rule;
+        assert_eq!(NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm }, shape);
+    }
+    // Both know the same nozzle by default, and refuse a block that the cone is too wide for.
+    let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, .. } = NozzleRule::default();
+    assert_eq!(NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm }, Nozzle::default().shape());
+    let narrow = NozzleShape { block_mm: 16.9, ..Nozzle::default().shape() };
+    assert!(Nozzle::new(narrow).is_err());
+    assert!(NozzleRule { block_mm: narrow.block_mm, ..NozzleRule::default() }.check().is_err());
 }
 
 #[test]

@@ -36,7 +36,7 @@ pub use deepest::Contact;
 pub(crate) use deepest::{Scene, Stand};
 pub use error::GougingError;
 pub use gouge::{Gouge, LeftOut};
-pub use nozzle::{Nozzle, NozzleError, NozzlePart};
+pub use nozzle::{Nozzle, NozzleError, NozzlePart, NozzleShape};
 pub use obstacle::Obstacle;
 pub use options::GougingOptions;
 pub use resolved::ResolvedPaths;

@@ -29,6 +29,20 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Lengths beyond this are refused, in millimetres: a nozzle is not ten metres wide.
 const MAX_LENGTH_MM: f64 = 1e4;
 
+/// The measures of a nozzle: those that `curvlay-layers` knows it by, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct NozzleShape {
+    /// Diameter of the flat tip, in millimetres.
+    pub tip_flat_mm: f64,
+    /// Between the axis and the side of the cone, in radians.
+    pub half_angle: f64,
+    /// Height of the cone, in millimetres.
+    pub cone_height_mm: f64,
+    /// Diameter of the block on top of the cone, in millimetres.
+    pub block_mm: f64,
+}
+
 /// A nozzle: a flat tip, a cone, and a block above it that reaches up without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nozzle {
@@ -112,62 +126,68 @@ pub enum NozzleError {
 impl Default for Nozzle {
     /// A tip flat of 1 mm, a cone of 45 degrees that is 8 mm high, a block of 20 mm.
     fn default() -> Self {
-        Nozzle::of(1.0, std::f64::consts::FRAC_PI_4, 8.0, 20.0)
+        Nozzle::of(NozzleShape {
+            tip_flat_mm: 1.0,
+            half_angle: std::f64::consts::FRAC_PI_4,
+            cone_height_mm: 8.0,
+            block_mm: 20.0,
+        })
     }
 }
 
 impl Nozzle {
-    /// # Arguments
-    /// * `tip_flat_diameter`, `cone_height`, `block_diameter`: in millimetres.
-    /// * `cone_half_angle`: between the axis and the side of the cone, in radians.
+    /// A nozzle of a shape.
     ///
     /// # Errors
     /// [`NozzleError`].
     ///
     /// # Example
     /// ```
-    /// use curvlay_toolpath::gouging::{Nozzle, NozzleError};
-    /// let nozzle = Nozzle::new(1.0, 45_f64.to_radians(), 8.0, 20.0)?;
-    /// assert_eq!(nozzle, Nozzle::default());
+    /// use curvlay_toolpath::gouging::{Nozzle, NozzleError, NozzleShape};
+    /// let shape = NozzleShape { tip_flat_mm: 1.0, half_angle: 45_f64.to_radians(), cone_height_mm: 8.0, block_mm: 20.0 };
+    /// let nozzle = Nozzle::new(shape)?;
+    /// assert_eq!((nozzle, nozzle.shape()), (Nozzle::default(), shape));
     /// // A millimetre beside the axis at the height of the tip: half a millimetre from the flat, seen across the cone.
     /// assert!((nozzle.clearance(0.0, 1.0) - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
-    /// let plate = Nozzle::new(9.0, 0.5, 8.0, 20.0);
+    /// let plate = Nozzle::new(NozzleShape { tip_flat_mm: 9.0, ..shape });
     /// assert_eq!(plate, Err(NozzleError::WiderThanHigh { tip_flat: 9.0, height: 8.0 }));
     /// let radii = [nozzle.tip_radius(), nozzle.cone_radius(), nozzle.block_radius()];
     /// assert!(radii[0] == 0.5 && (radii[1] - 8.5).abs() < 1e-12 && radii[2] == 10.0 && nozzle.cone_height() == 8.0);
     /// # Ok::<(), NozzleError>(())
     /// ```
-    pub fn new(
-        tip_flat_diameter: f64,
-        cone_half_angle: f64,
-        cone_height: f64,
-        block_diameter: f64,
-    ) -> Result<Self, NozzleError> {
-        let lengths = [
-            ("tip_flat_diameter", tip_flat_diameter),
-            ("cone_height", cone_height),
-            ("block_diameter", block_diameter),
-        ];
+    pub fn new(shape: NozzleShape) -> Result<Self, NozzleError> {
+        let NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm } = shape;
+        let lengths = [("tip flat", tip_flat_mm), ("cone", cone_height_mm), ("block", block_mm)];
         if let Some((measure, value)) = lengths.into_iter().find(|&(_, v)| !(v > 0.0 && v <= MAX_LENGTH_MM)) {
             return Err(NozzleError::Measure { measure, value });
         }
-        if !(cone_half_angle > 0.0 && cone_half_angle < FRAC_PI_2) {
-            return Err(NozzleError::HalfAngle { half_angle: cone_half_angle });
+        if !(half_angle > 0.0 && half_angle < FRAC_PI_2) {
+            return Err(NozzleError::HalfAngle { half_angle });
         }
-        if tip_flat_diameter > cone_height {
-            return Err(NozzleError::WiderThanHigh { tip_flat: tip_flat_diameter, height: cone_height });
+        if tip_flat_mm > cone_height_mm {
+            return Err(NozzleError::WiderThanHigh { tip_flat: tip_flat_mm, height: cone_height_mm });
         }
-        let cone = tip_flat_diameter + 2.0 * cone_height * cone_half_angle.tan();
-        if block_diameter < cone {
-            return Err(NozzleError::Block { block: block_diameter, cone });
+        let cone = tip_flat_mm + 2.0 * cone_height_mm * half_angle.tan();
+        if block_mm < cone {
+            return Err(NozzleError::Block { block: block_mm, cone });
         }
-        Ok(Nozzle::of(tip_flat_diameter, cone_half_angle, cone_height, block_diameter))
+        Ok(Nozzle::of(shape))
     }
 
-    fn of(tip_flat_diameter: f64, half_angle: f64, cone_height: f64, block_diameter: f64) -> Self {
-        let (sin, cos) = half_angle.sin_cos();
-        let (tip_radius, block_radius) = (tip_flat_diameter / 2.0, block_diameter / 2.0);
-        Nozzle { tip_radius, half_angle, sin, cos, cone_height, block_radius }
+    fn of(shape: NozzleShape) -> Self {
+        let (sin, cos) = shape.half_angle.sin_cos();
+        let (tip_radius, block_radius) = (shape.tip_flat_mm / 2.0, shape.block_mm / 2.0);
+        Nozzle { tip_radius, half_angle: shape.half_angle, sin, cos, cone_height: shape.cone_height_mm, block_radius }
+    }
+
+    /// Its shape, to the last digit as it was given.
+    pub fn shape(&self) -> NozzleShape {
+        NozzleShape {
+            tip_flat_mm: 2.0 * self.tip_radius,
+            half_angle: self.half_angle,
+            cone_height_mm: self.cone_height,
+            block_mm: 2.0 * self.block_radius,
+        }
     }
 
     /// Radius of the tip flat, in millimetres.

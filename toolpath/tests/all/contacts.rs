@@ -7,7 +7,8 @@ use crate::common::{creases, go_on, layers, rng};
 
 use creases::{H, PIECE, last_touched, rows, sheets_by_triangle, slow_depth};
 use curvlay_toolpath::gouging::{
-    Contact, ContactError, Contacts, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, Obstacle, ResolvedPaths,
+    Contact, ContactError, Contacts, GougingError, GougingOptions, Moment, Nozzle, NozzlePart, NozzleShape, Obstacle,
+    ResolvedPaths,
 };
 use curvlay_toolpath::nalgebra::{Point3, Unit, UnitQuaternion, UnitVector3, Vector3};
 use curvlay_toolpath::orientation::{OrientOptions, Pose, ToolPath};
@@ -340,7 +341,7 @@ fn a_wide_block_meets_what_a_narrow_one_passes() {
     let paths = [line(0, 60.0), line(1, 0.0)];
     with_stack(&[wall, floor], |stack| {
         let found = |block: f64, pose: &Pose| {
-            let nozzle = Nozzle::new(1.0, 45_f64.to_radians(), 8.0, block).unwrap();
+            let nozzle = Nozzle::new(NozzleShape { block_mm: block, ..Nozzle::default().shape() }).unwrap();
             let contacts = stack.contacts(&paths, &nozzle, &GougingOptions::default(), &go_on).unwrap();
             contacts.deepest(Moment::At { path: 1, waypoint: 0 }, pose).unwrap()
         };

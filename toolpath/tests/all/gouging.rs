@@ -7,7 +7,7 @@ use crate::common::{creases, go_on, layers, nozzle};
 
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
 use curvlay_toolpath::gouging::{
-    GougingError, GougingOptions, Moment, Nozzle, NozzleError, NozzlePart, Obstacle, ResolvedPaths,
+    GougingError, GougingOptions, Moment, Nozzle, NozzleError, NozzlePart, NozzleShape, Obstacle, ResolvedPaths,
 };
 use curvlay_toolpath::layer::LayerStack;
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
@@ -17,6 +17,11 @@ use nozzle::{inside, to_profile};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::ControlFlow;
+
+/// A nozzle's measures: tip flat, half angle, height of the cone, block.
+fn shape(tip_flat_mm: f64, half_angle: f64, cone_height_mm: f64, block_mm: f64) -> NozzleShape {
+    NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm }
+}
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
     with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
@@ -111,7 +116,7 @@ fn a_nozzle_that_gouges_a_quarter_of_the_way_goes_round() {
     let pin = lean(30.0) * 5.0 + Vector3::y() * 0.9;
     let pin = Layer::sheet([pin.x - 0.5, pin.y - 0.5, pin.z], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 4, H);
     let layers = [pin, nowhere()];
-    let nozzle = Nozzle::new(0.5, 10_f64.to_radians(), 20.0, 8.0).unwrap();
+    let nozzle = Nozzle::new(shape(0.5, 10_f64.to_radians(), 20.0, 8.0)).unwrap();
     let paths = [path(1, &[(Point3::origin(), lean(60.0)), (Point3::new(0.0, 0.2, 0.0), lean(-60.0))])];
     let gouging = |paths: &[ToolPath], stack: &LayerStack| {
         let contacts = stack.contacts(paths, &nozzle, &alone(), &go_on).unwrap();
@@ -460,14 +465,14 @@ fn nozzles_that_cannot_be_are_named() {
     for (value, given) in
         [(0.0, [0.0, 8.0, 20.0]), (f64::NAN, [1.0, f64::NAN, 20.0]), (f64::INFINITY, [1.0, 8.0, f64::INFINITY])]
     {
-        let error = Nozzle::new(given[0], angle, given[1], given[2]).unwrap_err();
+        let error = Nozzle::new(shape(given[0], angle, given[1], given[2])).unwrap_err();
         assert!(matches!(error, NozzleError::Measure { value: v, .. } if v.to_bits() == value.to_bits()), "{error}");
     }
     for half_angle in [0.0, -1.0, PI / 2.0, f64::NAN] {
-        assert!(matches!(Nozzle::new(1.0, half_angle, 8.0, 20.0), Err(NozzleError::HalfAngle { .. })));
+        assert!(matches!(Nozzle::new(shape(1.0, half_angle, 8.0, 20.0)), Err(NozzleError::HalfAngle { .. })));
     }
-    assert_eq!(Nozzle::new(9.0, 0.1, 8.0, 20.0), Err(NozzleError::WiderThanHigh { tip_flat: 9.0, height: 8.0 }));
-    let block = Nozzle::new(1.0, angle, 8.0, 16.0).unwrap_err();
+    assert_eq!(Nozzle::new(shape(9.0, 0.1, 8.0, 20.0)), Err(NozzleError::WiderThanHigh { tip_flat: 9.0, height: 8.0 }));
+    let block = Nozzle::new(shape(1.0, angle, 8.0, 16.0)).unwrap_err();
     assert!(matches!(block, NozzleError::Block { block, cone } if block < cone), "{block}");
 }
 

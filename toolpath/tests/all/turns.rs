@@ -6,7 +6,7 @@ use crate::common::{creases, go_on, layers};
 
 use creases::{H, PIECE, groove_of, nowhere, rows, sheets};
 use curvlay_toolpath::deposit::deposit_along;
-use curvlay_toolpath::gouging::{GougingOptions, Nozzle, ResolvedPaths};
+use curvlay_toolpath::gouging::{GougingOptions, Nozzle, NozzleShape, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Turns, Waypoint};
 use curvlay_toolpath::travel::TravelOptions;
@@ -100,7 +100,8 @@ fn a_path_that_is_too_short_for_a_turn_turns_as_far_as_it_may() {
 
 /// A slim nozzle: a flat of a millimetre and a cone of 20 degrees.
 fn slim() -> Nozzle {
-    Nozzle::new(1.0, 20_f64.to_radians(), 20.0, 16.0).unwrap()
+    Nozzle::new(NozzleShape { tip_flat_mm: 1.0, half_angle: 20_f64.to_radians(), cone_height_mm: 20.0, block_mm: 16.0 })
+        .unwrap()
 }
 
 /// Width of a bead whose ends fill the way from one side of the groove to the other, and of one that leaves a gap.
