@@ -145,12 +145,12 @@ impl Workpiece<'_> {
             None => self.uniform_layers(&order, options, progress)?,
         };
         // Cells that the nozzle builds lie within the hull of others, which no coherent field allows.
-        if options.coherent && order.final_growth().nozzle.is_empty() {
-            if let Some(coherent) = self.coherent_layers(&order, options, progress)? {
-                if self.is_more_coherent(&coherent.1, &layers.1) {
-                    layers = coherent;
-                }
-            }
+        if options.coherent
+            && order.final_growth().nozzle.is_empty()
+            && let Some(coherent) = self.coherent_layers(&order, options, progress)?
+            && self.is_more_coherent(&coherent.1, &layers.1)
+        {
+            layers = coherent;
         }
         let (uniform, surfaces, mut support) = layers;
         if let (Some(made), Some(found)) = (&mut support, &order.supported) {
