@@ -119,7 +119,7 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if run.support_mm3() > 0.0 {
         let below = match run.below_beads {
             0 => String::new(),
-            cells => format!(", with {} below unsupported beads", counted(cells, "cell")),
+            cells => format!(", with {} below beads that had no support", counted(cells, "cell")),
         };
         let amount = format!("{:.1} mm3, to be broken off{below}", run.support_mm3());
         findings.add(Warning, "the part stands on support", amount, "--support");

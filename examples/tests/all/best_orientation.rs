@@ -113,8 +113,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn arguments_out_of_range_are_refused() {
-    for words in
-        [["--orient-directions", "20000"], ["--orient-voxels", "9"], ["--least-tipping", "91"], ["--eps", "-1"]]
+    for words in [["--orient-directions", "20000"], ["--orient-voxels", "9"], ["--min-tipping", "91"], ["--eps", "-1"]]
     {
         assert!(arguments(&words).is_err(), "{words:?}");
     }
