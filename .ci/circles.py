@@ -3,7 +3,7 @@
 
 usage: circles.py SRC...        each SRC is the `src` folder of a library, or the root file of a command such as `examples/reach/main.rs`
 
-An import is a path that begins with `crate`, `super` or `self`, in a `use` line or in code. It counts for the file that
+An import is a path that begins with `crate`, `super`, `self` or a module of the file, in a `use` line or in code. It counts for the file that
 defines the name: re-exports are followed, and are no imports themselves. Tests and comments do not count.
 """
 import re
@@ -97,7 +97,8 @@ class Crate:
 
     def edges(self):
         for module, code in self.code.items():
-            paths = [tuple(path.split("::")) for path in re.findall(r"\b(?:crate|super|self)(?:::\w+)+", code)]
+            begins = "|".join(["crate", "super", "self", *sorted(self.children[module])])
+            paths = [tuple(path.split("::")) for path in re.findall(rf"(?<![\w:])(?:{begins})(?:::\w+)+", code)]
             for path in paths + self.imports[module]:
                 target = self.file_of(module, path)
                 if target and target != module:

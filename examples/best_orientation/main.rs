@@ -8,50 +8,21 @@
 //! Without `--mesh` it takes a jug made in code. `curved_layers --orient best` does the same search and goes on with the best
 //! pose.
 
+mod args;
 mod drawing;
 mod outputs;
 
-use clap::Parser;
-use curvlay_examples::args::{Common, Failure, MeshArgs, Outcome, Part, above_zero, from_zero, run_with_args};
+pub(crate) use args::{Args, Run};
+use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::findings::{Findings, Severity, percent};
-use curvlay_examples::orienting::{OrientArgs, Search, search};
+use curvlay_examples::orienting::search;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::shapes::jug;
 use curvlay_layers::curved::Rules;
 use rayon::ThreadPoolBuilder;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
-
-/// How a part should lie on the plate: poses are tried with few cells, the best again with more, and ranked by missed cells, whether the
-/// part stands by itself, support, layers, height and base.
-#[derive(Parser, Clone, Debug)]
-#[command(version, name = "best_orientation")]
-pub struct Args {
-    #[command(flatten)]
-    mesh: MeshArgs,
-    #[command(flatten)]
-    orient: OrientArgs,
-    /// Depth inside the hull from which a cell counts as shadowed, in cells, at most 16
-    #[arg(long, value_name = "CELLS", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
-    eps: f64,
-    /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
-    #[arg(long)]
-    beyond_eps: bool,
-    /// Diameter of the platform in millimetres; a larger one is used if the part does not fit
-    #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 127.5, value_parser = above_zero, allow_negative_numbers = true)]
-    platform_diameter_mm: f64,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// What came of it: the part, its poses, how long the search took, and what is wrong.
-pub struct Run {
-    part: Part,
-    search: Search,
-    search_time: Duration,
-    findings: Findings,
-}
+use std::time::Instant;
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {

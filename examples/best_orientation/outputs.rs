@@ -1,6 +1,7 @@
 //! What the example leaves behind: the table on stdout, `poses.csv`, the part in the best pose, `summary.json` and `report.html`.
 
-use super::{Args, Run, drawing};
+use super::args::{Args, Run};
+use super::drawing;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::orienting::{COMMENT, Search, laid};
 use curvlay_examples::output::OutputFolder;

@@ -1,6 +1,6 @@
 //! What the example leaves behind: the table on stdout, `summary.json`, `legs.csv` and `report.html`.
 
-use super::Args;
+use super::args::Args;
 use super::table::{Pose, Printed, machine};
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::shown;

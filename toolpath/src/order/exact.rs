@@ -3,7 +3,7 @@
 //! For a set of curves and the way in which the last of them is travelled only the length of the shortest order so far
 //! matters. Sets are numbers whose bits are curves, so each comes after all of its parts.
 
-use super::{Way, gap};
+use super::way::{Way, gap};
 use nalgebra::Point3;
 
 /// Curves in a layer, and steps of the program, at most: a few milliseconds. Beyond it `local` takes over.

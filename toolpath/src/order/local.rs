@@ -3,7 +3,7 @@
 //! Turning a part of the order round turns its curves round as well, so the ways inside of it stay as long as they were.
 //! That makes each try a matter of four distances.
 
-use super::{OrderError, TravelCurve, Watch, Way, gap, length};
+use super::way::{OrderError, TravelCurve, Watch, Way, gap, length};
 use nalgebra::Point3;
 
 /// Curves that are moved elsewhere together.

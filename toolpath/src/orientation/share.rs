@@ -10,8 +10,8 @@
 //!
 //! Triangles are divided into like parts no longer than a quarter of the widest bead, and each part goes by its middle.
 
-use super::ToolPath;
 use super::resample::Line;
+use super::tool_path::ToolPath;
 use crate::layer::{LayerStack, of_layer};
 use nalgebra::Point3;
 

@@ -4,7 +4,7 @@
 //! steps over crests with quaternion interpolation. Turning one direction into another by a unit quaternion of the least
 //! angle moves it along their great circle at even speed, so that is what [`along`] does.
 
-use super::Waypoint;
+use super::tool_path::Waypoint;
 use nalgebra::{Unit, UnitVector3};
 
 /// Directions nearer than this to opposite ones, in radians, have no great circle to speak of.

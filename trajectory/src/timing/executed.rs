@@ -3,7 +3,7 @@
 use super::curve::{Grid, Warp};
 use super::limits::{Task, What};
 use super::program::Program;
-use super::{TimePathError, TimePathStatus, TimedMotion};
+use super::result::{TimePathError, TimePathStatus, TimedMotion};
 use crate::Bounds;
 use crate::spline::{Timeline, Trajectory};
 

@@ -1,9 +1,9 @@
 //! From limits to the layout of the grid and to the rows of the program.
 
 use super::curve::{Curve, Grid, Warp};
+use super::options::{FlowLimits, TimePathOptions};
 use super::program::Program;
 use super::row::Row;
-use super::{FlowLimits, TimePathOptions};
 use crate::Bounds;
 
 /// Where nothing limits the pace, it stays below this many times the largest that the whole path allows everywhere.

@@ -21,13 +21,16 @@ mod executed;
 mod free;
 mod limits;
 mod local;
+mod options;
 mod program;
+mod result;
 mod row;
 
-use crate::spline::Trajectory;
-use crate::{Bounds, BoundsError, Progress, ProgressFn};
+use crate::{Bounds, Progress, ProgressFn};
 use curve::{Curve, Grid};
 pub use free::{FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, time_path_free};
+pub use options::{FlowLimits, TimePathOptions};
+pub use result::{TimePathError, TimePathStatus, TimedMotion};
 
 /// Tolerance of the first timing, which only finds where knots are needed.
 const ROUGH: f64 = 0.02;
@@ -35,171 +38,6 @@ const ROUGH: f64 = 0.02;
 /// Tolerance and steps at most of the duration without limits of jerk, which only says what is short beside it.
 const ESTIMATE: f64 = 0.2;
 const ESTIMATE_STEPS: usize = 30;
-
-/// How a path is timed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct TimePathOptions {
-    /// By what share the duration may be longer than the least of the discretised problem; between 0 and 1.
-    pub tolerance: f64,
-    /// Steps of the interior-point method in all rounds together, besides a few for the duration without limits of jerk. When they are spent the best timing so far is
-    /// returned, which holds all limits.
-    pub iterations: usize,
-    /// How often the program is solved again with limits moved by how the executed spline differs from it.
-    pub rounds: usize,
-    /// Knots for each piece at least, 1 to [`TimePathOptions::MAX_SUBDIVISION`].
-    pub subdivision: usize,
-    /// Knots for the way from rest and for that to rest, at least 4.
-    pub ramp: usize,
-    /// Longest time from knot to knot, as a share of the time in which the jerk limit reaches the acceleration limit. Where
-    /// accelerations and jerks keep the motion from its largest speed, six tenths of it. A piece has at most
-    /// [`TimePathOptions::MAX_SUBDIVISION`] knots all the same, besides those of the ramps.
-    pub step: f64,
-}
-
-impl TimePathOptions {
-    /// The largest `subdivision`.
-    pub const MAX_SUBDIVISION: usize = 64;
-}
-
-impl Default for TimePathOptions {
-    /// 0.1 % of the duration, 400 steps, 10 rounds, 2 knots for each piece, 24 for each ramp, a quarter of the time in which
-    /// the jerk limit reaches the acceleration limit.
-    fn default() -> Self {
-        TimePathOptions { tolerance: 1e-3, iterations: 400, rounds: 10, subdivision: 2, ramp: 24, step: 0.25 }
-    }
-}
-
-/// What the extruder can follow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlowLimits<'a> {
-    /// For each piece the flow of the plan, at pace 1, in mm^3/s.
-    pub flow_mm3_s: &'a [f64],
-    /// The greatest flow, in mm^3/s.
-    pub max_flow_mm3_s: f64,
-    /// How fast the flow may change, in mm^3/s^2. Steps of the planned flow from piece to piece do not count.
-    pub max_ramp_mm3_s2: f64,
-}
-
-/// How the search for the least duration ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TimePathStatus {
-    /// Within the tolerance.
-    Solved,
-    /// The steps were spent before. All limits hold, but the duration may be longer than need be.
-    Iterations,
-}
-
-/// A timed motion along a path.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TimedMotion<const N: usize> {
-    /// What is executed. It begins at time 0.
-    pub trajectory: Trajectory<N>,
-    /// For each posture its knot in the trajectory.
-    pub knots: Vec<usize>,
-    /// For each knot of the trajectory the planned time that it stands for.
-    pub planned: Vec<f64>,
-    /// For each knot of the trajectory the pace: planned seconds a second; 0 at both ends.
-    pub pace: Vec<f64>,
-    /// How far the first and the last posture are missed, in radians: knots at rest follow from their neighbours (see
-    /// [`Timeline`](crate::Timeline)). The other postures are met.
-    pub end_deviation: f64,
-    /// Duration of the discretised problem, in seconds, without what the executed spline needs beyond it.
-    pub ideal_duration: f64,
-    /// Steps of the interior-point method in all rounds.
-    pub iterations: usize,
-    /// Gap and residual of the last round, as a share of the duration.
-    pub residual: f64,
-    /// How the search ended.
-    pub status: TimePathStatus,
-}
-
-impl<const N: usize> TimedMotion<N> {
-    /// From rest to rest, in seconds.
-    pub fn duration(&self) -> f64 {
-        let (start, end) = self.trajectory.span();
-        end - start
-    }
-}
-
-/// Why a path cannot be timed.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TimePathError {
-    /// Fewer than two postures.
-    #[error("a path of {postures} postures: at least two are needed")]
-    TooFew {
-        /// Postures that were given.
-        postures: usize,
-    },
-    /// A list does not have one entry for each posture or piece.
-    #[error("{given} entries in `{field}`: pass {expected}")]
-    Count {
-        /// `planned`, `max_pace` or `flow_mm3_s`.
-        field: &'static str,
-        /// Its length.
-        given: usize,
-        /// The length it must have.
-        expected: usize,
-    },
-    /// An angle is infinite or not a number.
-    #[error("joint {} of posture {posture} is {value}, not a finite number", joint + 1)]
-    Posture {
-        /// The posture, counted from 0.
-        posture: usize,
-        /// The joint, counted from 0.
-        joint: usize,
-        /// Its angle.
-        value: f64,
-    },
-    /// A planned time is not finite, or not after the one before it.
-    #[error(
-        "the planned time of posture {posture} is {time} s: it must be finite and after that of the posture before"
-    )]
-    Planned {
-        /// The posture, counted from 0.
-        posture: usize,
-        /// Its planned time.
-        time: f64,
-    },
-    /// A number for a piece is invalid.
-    #[error("`{field}` of piece {piece} is {value}: a pace must be above 0, a flow finite and not negative")]
-    Piece {
-        /// `max_pace`, which must be above 0, or `flow_mm3_s`, which must be finite and not negative.
-        field: &'static str,
-        /// The piece, counted from 0.
-        piece: usize,
-        /// Its value.
-        value: f64,
-    },
-    /// A limit of the flow is not above 0.
-    #[error("`{field}` is {value}: it must be above 0, or infinite")]
-    Flow {
-        /// `max_flow_mm3_s` or `max_ramp_mm3_s2`.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// An option is out of its range.
-    #[error("option `{field}` is {value}: it must be {must}")]
-    Option {
-        /// The option.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        must: &'static str,
-    },
-    /// Joints cannot move.
-    #[error(transparent)]
-    Bounds(#[from] BoundsError),
-    /// Numbers are so large or so small that times or angles are no longer finite or distinct.
-    #[error("the timing exceeds double precision: bring times, postures and limits to similar scales")]
-    Range,
-    /// The progress callback cancelled the work.
-    #[error("cancelled")]
-    Cancelled,
-}
 
 /// The fastest motion through postures in order, at rest at both ends, whose speed, acceleration and jerk stay within
 /// `bounds` everywhere.
@@ -210,7 +48,7 @@ pub enum TimePathError {
 /// * `max_pace`: for each piece between two postures, planned seconds a second; infinite for none.
 /// * `flow`: limits of the extruder.
 /// * `bounds`: `velocity`, `acceleration` and `jerk`, infinite for none. Angles follow from the postures: `lower` and
-///   `upper` must be sound, but are not looked at ([`Trajectory::violations`] does that).
+///   `upper` must be sound, but are not looked at ([`Trajectory::violations`](crate::spline::Trajectory::violations) does that).
 ///
 /// # Returns
 /// The trajectory. All postures but the first and the last are met exactly, those two within [`TimedMotion::end_deviation`].

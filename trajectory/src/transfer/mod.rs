@@ -22,6 +22,7 @@ use crate::bounds::Bounds;
 use crate::random::Random;
 use crate::spline::State;
 use crate::vectors::square;
+use timing::curve;
 
 /// How a transfer is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -300,26 +301,6 @@ impl<const N: usize> Transfer<N> {
 
 /// The longest line that is searched has at most so many steps.
 const MAX_STEPS: f64 = 1e6;
-
-/// Bounds are kept by this much, so that rounding does not break them.
-const KEPT: f64 = 1.0 - 1e-9;
-
-/// The fastest motion along a line, over a length of 1.
-fn curve<const N: usize>(from: &[f64; N], to: &[f64; N], bounds: &Bounds<N>) -> Option<SCurve> {
-    let least = |all: &[f64; N]| {
-        let of = |j: usize| KEPT * all[j] / (to[j] - from[j]).abs();
-        (0..N).map(of).filter(|most| !most.is_nan()).fold(f64::INFINITY, f64::min)
-    };
-    if !(0..N).all(|j| (to[j] - from[j]).is_finite()) {
-        return None;
-    }
-    let most = [least(&bounds.velocity), least(&bounds.acceleration), least(&bounds.jerk)];
-    if most.iter().any(|most| most.is_infinite()) {
-        // Both ends are one.
-        return SCurve::new(0.0, 1.0, 1.0, 1.0);
-    }
-    SCurve::new(1.0, most[0], most[1], most[2])
-}
 
 fn check_bounds<const N: usize>(bounds: &Bounds<N>) -> Result<(), TransferError> {
     let all = [("velocity", bounds.velocity), ("acceleration", bounds.acceleration), ("jerk", bounds.jerk)];

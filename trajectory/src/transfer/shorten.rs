@@ -4,8 +4,8 @@
 //! the motion rests at each corner, so a corner less is often worth more than a shorter line.
 
 use super::checks::Checks;
-use super::curve;
 use super::space::FreeSpace;
+use super::timing::curve;
 use crate::bounds::Bounds;
 use crate::random::Random;
 use crate::vectors::square;

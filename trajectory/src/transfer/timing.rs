@@ -4,6 +4,8 @@
 //! (Springer 2008), section 3.4: jerk up, steady acceleration, jerk down, cruise, and the same backwards. For rest to
 //! rest under bounds of velocity, acceleration and jerk no motion along the line is faster.
 
+use crate::bounds::Bounds;
+
 /// A double-S profile over a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SCurve {
@@ -118,4 +120,24 @@ impl SCurve {
         let ramp = self.ramp_time;
         [0.0, first, steady, ramp, end - ramp, end - steady, end - first, end]
     }
+}
+
+/// Bounds are kept by this much, so that rounding does not break them.
+const KEPT: f64 = 1.0 - 1e-9;
+
+/// The fastest motion along a line, over a length of 1.
+pub(super) fn curve<const N: usize>(from: &[f64; N], to: &[f64; N], bounds: &Bounds<N>) -> Option<SCurve> {
+    let least = |all: &[f64; N]| {
+        let of = |j: usize| KEPT * all[j] / (to[j] - from[j]).abs();
+        (0..N).map(of).filter(|most| !most.is_nan()).fold(f64::INFINITY, f64::min)
+    };
+    if !(0..N).all(|j| (to[j] - from[j]).is_finite()) {
+        return None;
+    }
+    let most = [least(&bounds.velocity), least(&bounds.acceleration), least(&bounds.jerk)];
+    if most.iter().any(|most| most.is_infinite()) {
+        // Both ends are one.
+        return SCurve::new(0.0, 1.0, 1.0, 1.0);
+    }
+    SCurve::new(1.0, most[0], most[1], most[2])
 }

@@ -5,8 +5,8 @@
 //! allowance of 10 to 25 mm: an arm whose links are thicker than these at any place is not covered.
 //! Millimetres, in the frames of [`Arm::frames`](crate::Arm::frames).
 
-use super::Axis::{Y, Z};
-use super::{Prism, prism};
+use super::prism::Axis::{Y, Z};
+use super::prism::{Prism, prism};
 
 /// Pieces of the links, base to flange.
 pub(super) const IRB120: [&[Prism]; 7] = [

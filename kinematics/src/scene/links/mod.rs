@@ -7,6 +7,7 @@
 
 mod irb120;
 mod irb1200;
+mod prism;
 mod tubes;
 mod ur10;
 mod ur3;
@@ -18,7 +19,8 @@ pub use tubes::estimated_links;
 
 use super::body::{Body, Mount, Shape};
 use crate::arm::{ArmModel, Geometry, robots};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Isometry3;
+use prism::Prism;
 
 /// What the bodies of an arm come from, and how far they can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,39 +50,6 @@ const LIKE_UR3: &str =
     "estimate: the bodies of the UR3, 1.5 to 5 mm thicker, stretched by the differences of the lengths";
 const LIKE_IRB140: &str = "estimate: data sheet, and the collision meshes of the IRB 140 (ROS-Industrial abb_irb140_support) with an \
                            allowance of 10 to 25 mm";
-
-/// An axis of a frame.
-#[derive(Clone, Copy, Debug)]
-enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-/// A convex outline, moved along an axis.
-#[derive(Clone, Copy, Debug)]
-struct Prism {
-    axis: Axis,
-    ends: [f64; 2],
-    /// Pairs of coordinates along the next axes: of X these are y and z, of Y z and x, of Z x and y.
-    outline: &'static [f64],
-}
-
-const fn prism(axis: Axis, ends: [f64; 2], outline: &'static [f64]) -> Prism {
-    Prism { axis, ends, outline }
-}
-
-impl Prism {
-    fn shape(&self) -> Shape {
-        let corner = |end: f64, pair: &[f64]| match self.axis {
-            Axis::X => Point3::new(end, pair[0], pair[1]),
-            Axis::Y => Point3::new(pair[1], end, pair[0]),
-            Axis::Z => Point3::new(pair[0], pair[1], end),
-        };
-        let cap = |end: f64| self.outline.chunks_exact(2).map(move |pair| corner(end, pair));
-        Shape::Hull { points: self.ends.into_iter().flat_map(cap).collect(), radius: 0.0 }
-    }
-}
 
 /// The pieces of each link of an arm.
 type Links = [&'static [Prism]; 7];

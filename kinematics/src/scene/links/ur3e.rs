@@ -5,8 +5,8 @@
 //! flange by the 10.2 mm that d6 is. Millimetres, in the frames of
 //! [`Arm::frames`](crate::Arm::frames).
 
-use super::Axis::{X, Y, Z};
-use super::{Prism, prism};
+use super::prism::Axis::{X, Y, Z};
+use super::prism::{Prism, prism};
 
 /// Pieces of the links, base to flange.
 pub(super) const UR3E: [&[Prism]; 7] = [

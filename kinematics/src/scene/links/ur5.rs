@@ -3,8 +3,8 @@
 //! The vertices and faces of the mesh of each link were cut into slabs along an axis, and the outline of each slab simplified
 //! outwards to at most twelve corners (sixteen at the wrist), 0.2 mm beyond the mesh. Millimetres, in the frames of [`Arm::frames`](crate::Arm::frames).
 
-use super::Axis::{X, Y, Z};
-use super::{Prism, prism};
+use super::prism::Axis::{X, Y, Z};
+use super::prism::{Prism, prism};
 
 /// Pieces of the links, base to flange.
 pub(super) const UR5: [&[Prism]; 7] = [

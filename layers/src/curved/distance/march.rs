@@ -4,7 +4,7 @@
 //! stencil is that of his *Level Set Methods and Fast Marching Methods*, Cambridge 1999, section 8.7.
 //! Symbols: `T` in the book is a value here; along each axis it enters as `weight (T - origin)^2`.
 
-use super::{OnBase, beside};
+use super::beside::{OnBase, beside};
 use crate::cells::Cells;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -16,6 +16,7 @@
 //!
 //! [`distance_field`] makes the field, [`grow_by_distance`] the order, [`distance_layers`] the field of an order that was completed by others.
 
+mod beside;
 mod delayed;
 mod directed;
 mod lifted;
@@ -28,6 +29,8 @@ use crate::cells::{Cells, LayerOrder};
 use crate::curved::buildable::platform::Platform;
 use crate::curved::buildable::rules::Rules;
 use crate::curved::buildable::supported::carried;
+use beside::OnBase;
+pub(crate) use beside::beside;
 pub use directed::DirectedOptions;
 use nalgebra::Vector3;
 pub use reach::{DistanceOrder, grow_by_distance, grow_by_heights, grow_directed};
@@ -73,9 +76,6 @@ pub fn distance_field(cells: &Cells, platform: &Platform, rules: &Rules) -> Resu
     Ok(solved(cells, &base, &|_| 0.0))
 }
 
-/// A cell of the base, which an order begins with, and its value: how far its middle is from what it stands on, in cells.
-type OnBase = (u32, f64);
-
 /// The value of cells of the base that stand on the platform, or on cells of a mould: their middle.
 const ON_BASE: f64 = 0.5;
 
@@ -93,17 +93,6 @@ fn base(standing: Vec<u32>, cells: &Cells, platform: &Platform) -> Vec<OnBase> {
 /// The field with these floors of its values.
 fn solved(cells: &Cells, base: &[OnBase], floor: &dyn Fn(u32) -> f64) -> LayerField {
     in_cells(cells, march::distances(cells, base, floor))
-}
-
-/// The cells beside the faces of a cell: below and above along each axis.
-pub(super) fn beside(cells: &Cells, cell: u32) -> [Option<u32>; 6] {
-    let place = cells.position(cell);
-    std::array::from_fn(|face| {
-        let mut at = place;
-        let along = &mut at[face / 2];
-        *along = if face % 2 == 1 { *along + 1 } else { along.checked_sub(1)? };
-        cells.contains(at).then(|| cells.id(at))
-    })
 }
 
 /// How fast some values rise at a cell: over both neighbours along an axis, or the one that there is; 0 without any. `beside` gives the values beside its

@@ -7,7 +7,7 @@
 //! The same crossings, in their order along the outline, say how lines are joined: from a crossing the outline leads to the next
 //! one, on this line or on a neighbour; if it is a neighbour, that piece of the outline joins the two.
 
-use super::FillOptions;
+use super::options::FillOptions;
 use crate::drawing::polygon::{Ring, Shape};
 
 /// The first and the last line lie this share of a bead within the shape, so that a straight edge there is a line.

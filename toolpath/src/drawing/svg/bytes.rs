@@ -1,6 +1,6 @@
 //! The bytes of an SVG file as text: compressed or not, in the encoding that it names.
 
-use super::SvgError;
+use super::error::SvgError;
 use encoding_rs::{Encoding, UTF_8};
 use std::borrow::Cow;
 use std::io::Read;

@@ -9,27 +9,21 @@
 
 mod bytes;
 mod document;
+mod error;
 mod outlines;
 mod size;
+
+pub use error::SvgError;
+pub use size::SvgScale;
 
 use super::curve::Affine;
 use super::drawing::Drawing;
 use document::Sources;
+use error::invalid;
 use nalgebra::{Matrix2, Vector2};
 use outlines::Walk;
 use usvg::roxmltree::{Document, ParsingOptions};
 use usvg::{ImageHrefResolver, Options, Tree};
-
-/// What a unit of an SVG file is in millimetres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SvgScale {
-    /// The file says it; a pixel is 25.4 / 96 mm, as in CSS.
-    Css,
-    /// As many pixels are an inch, from 1 to 100,000. Lengths in millimetres, inches or points do not change.
-    Dpi(f64),
-    /// A unit of the drawing's coordinates is as many millimetres, above 0 and at most 1e6, whatever the file says.
-    UnitMm(f64),
-}
 
 /// How an SVG file is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,44 +36,6 @@ impl Default for SvgOptions {
     fn default() -> Self {
         SvgOptions { scale: SvgScale::Css }
     }
-}
-
-/// Why an SVG file could not be read.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SvgError {
-    /// It is no SVG; line and column are named where they are known.
-    #[error("not a readable SVG file: {what}")]
-    Invalid {
-        /// What is wrong.
-        what: String,
-    },
-    /// It is compressed, and too large.
-    #[error("uncompressed it has more than {limit} bytes")]
-    TooLarge {
-        /// Greatest size, in bytes.
-        limit: u64,
-    },
-    /// It is in an encoding that is not known.
-    #[error("its encoding `{name}` is not known; save it as UTF-8")]
-    Encoding {
-        /// As the file names it.
-        name: String,
-    },
-    /// A scale that is out of its range.
-    #[error("{what} is {value}; it must be {range}")]
-    Scale {
-        /// Its name.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        range: &'static str,
-    },
-}
-
-fn invalid(error: impl ToString) -> SvgError {
-    SvgError::Invalid { what: error.to_string() }
 }
 
 /// Reads an SVG file, compressed (`.svgz`) or not, in millimetres with y up.

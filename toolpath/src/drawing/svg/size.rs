@@ -1,8 +1,18 @@
 //! How large a pixel of an SVG file is, and what else it may be.
 
-use super::SvgScale;
 use usvg::Tree;
 use usvg::roxmltree::Document;
+
+/// What a unit of an SVG file is in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SvgScale {
+    /// The file says it; a pixel is 25.4 / 96 mm, as in CSS.
+    Css,
+    /// As many pixels are an inch, from 1 to 100,000. Lengths in millimetres, inches or points do not change.
+    Dpi(f64),
+    /// A unit of the drawing's coordinates is as many millimetres, above 0 and at most 1e6, whatever the file says.
+    UnitMm(f64),
+}
 
 /// Pixels of an inch, by CSS.
 pub(super) const CSS_DPI: f64 = 96.0;

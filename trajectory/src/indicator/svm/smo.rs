@@ -10,7 +10,7 @@
 //! time only on problems far larger than a working surface's.
 
 use super::super::samples::Sample;
-use super::SvmOptions;
+use super::options::SvmOptions;
 
 pub(super) struct Solution {
     pub alphas: Vec<f64>,
