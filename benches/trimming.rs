@@ -35,7 +35,7 @@ fn torus(around: u32, across: u32) -> Mesh {
     ((0..around * across).map(point).collect(), (0..around * across).flat_map(cell).collect())
 }
 
-/// How high the sheet lies: a plane, so that parry's triangles on it can be told from the others.
+/// How high the sheet lies: a plane, so that parry's triangles on it can be distinguished from the others.
 fn height(x: f64, y: f64) -> f64 {
     1.7 + 0.05 * x - 0.03 * y
 }

@@ -131,7 +131,7 @@ fn arguments_that_do_not_go_together_exit_with_2() {
     };
     assert_eq!(run_on("name --eps 1", checked), ExitCode::from(2));
     assert_eq!(run_on("name", checked), ExitCode::from(0));
-    // What has been told already is not told again.
+    // What was reported already is not reported again.
     assert_eq!(run(|| Ok(Outcome::ChecksFailed(Vec::new()))), ExitCode::from(3));
 }
 
@@ -167,8 +167,8 @@ fn coordinates_that_are_too_coarse_for_the_cells_are_told() {
     let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();
     assert_eq!(part.spacing_mm, Some(8.0));
     assert_eq!(part.mesh.bounds().unwrap()[1], Point3::new(20.0, 20.0, 40.0), "{:?}", part.warnings);
-    let told = part.coarse_for(0.8).unwrap();
-    assert!(told.contains("8.000 mm apart") && told.contains("1000 % of a cell"), "{told}");
+    let reported = part.coarse_for(0.8).unwrap();
+    assert!(reported.contains("8.000 mm apart") && reported.contains("1000 % of a cell"), "{reported}");
     assert_eq!(part.coarse_for(161.0), None);
     assert!(parse("").unwrap().mesh.load("jug", jug).unwrap().coarse_for(0.01).is_none());
 }
@@ -178,9 +178,9 @@ fn facets_that_look_the_wrong_way_are_told() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mixed.obj");
     fs::write(&path, "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n").unwrap();
     let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();
-    let told = "the triangles disagreed about inside and outside at 3 edges: 1 of 4 were turned";
+    let reported = "the triangles disagreed about inside and outside at 3 edges: 1 of 4 were turned";
     let found: Vec<String> = part.findings.iter().map(ToString::to_string).collect();
-    assert_eq!((part.mesh.triangles[3], &found[..]), ([1, 2, 3], &[told.to_owned()][..]));
+    assert_eq!((part.mesh.triangles[3], &found[..]), ([1, 2, 3], &[reported.to_owned()][..]));
 }
 
 #[test]

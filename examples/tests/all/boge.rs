@@ -234,14 +234,14 @@ fn a_grid_that_is_none_is_named() {
     };
     let file = path.join("grid.txt");
     fs::write(&file, "11\n12\n--\n").unwrap();
-    let told = refused(&file);
-    assert!(told.contains("grid.txt: line 2, column 2"), "{told}");
+    let reported = refused(&file);
+    assert!(reported.contains("grid.txt: line 2, column 2"), "{reported}");
     assert!(refused(&path.join("none.txt")).contains("none.txt"));
     assert!(refused(&path).contains("is not a regular file"));
     fs::write(&file, "111\n010\n0-0\n").unwrap();
-    let told = refused(&file);
-    assert!(told.ends_with("grid.txt: the platform must be at least two cells wide"), "{told}");
+    let reported = refused(&file);
+    assert!(reported.ends_with("grid.txt: the platform must be at least two cells wide"), "{reported}");
     fs::write(&file, "--\n00\n\n10\n00\n").unwrap();
-    let told = refused(&file);
-    assert!(told.ends_with("grid.txt: the platform must be at least two cells deep"), "{told}");
+    let reported = refused(&file);
+    assert!(reported.ends_with("grid.txt: the platform must be at least two cells deep"), "{reported}");
 }

@@ -313,7 +313,7 @@ fn bad_files_are_told() {
     };
     let line = "0 LINE 8 A 10 0 20 0 11 9 21 9 ";
     let svg = |text: &str| format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm">{text}</svg>"#);
-    for (name, text, told) in [
+    for (name, text, reported) in [
         ("empty.dxf", String::new(), "has no section ENTITIES"),
         ("nothing.dxf", entities(""), "nothing in it that can be drawn; it has no entities"),
         ("text.dxf", "once upon a time\n".to_owned(), "line 1: not a DXF file"),
@@ -339,7 +339,7 @@ fn bad_files_are_told() {
         let path = file(name, &text);
         let kind = if name.ends_with("svg") { "--svg" } else { "--dxf" };
         let error = run(&format!("bad_{name}"), &[kind, &path]).unwrap_err();
-        assert!(error.contains(told) && error.contains(name) && !error.contains('\n'), "{name}: {error}");
+        assert!(error.contains(reported) && error.contains(name) && !error.contains('\n'), "{name}: {error}");
         assert!(!place(&format!("bad_{name}")).exists(), "{name}");
     }
     let path = file("cut.drawing", "curvlay-drawing 1\nentity 1 open\n");
@@ -415,7 +415,7 @@ fn what_is_left_out_or_assumed_is_a_finding() {
     let holes = r#"<path fill-rule="evenodd" d="M10 10H90V90H10Z M30 30H70V70H30Z"/>"#;
     let in_mm = r#"width="100mm" height="100mm" viewBox="0 0 100 100""#;
     let image = r#"<image width="1" height="1" href="/dev/zero"/>"#;
-    for (name, text, words, area, told) in [
+    for (name, text, words, area, reported) in [
         ("gaps.dxf", entities(gaps), "", 0.0, "gaps keep contours open: 4, the widest of 0.020 mm"),
         (
             "gaps.dxf",
@@ -453,11 +453,13 @@ fn what_is_left_out_or_assumed_is_a_finding() {
         assert_eq!(outcome, Outcome::Done, "{words:?}");
         let summary = summary(&path);
         let findings = summary["findings"].to_string();
-        assert!(findings.contains(told), "{words:?}: {findings}");
+        assert!(findings.contains(reported), "{words:?}: {findings}");
         let found = summary["area_sum_mm2"].as_f64().unwrap();
         assert!((found - area).abs() < 0.1, "{words:?}: {found}");
         assert!(
-            fs::read_to_string(path.join("report.html")).unwrap().contains(told.split(['<', '(', '`']).next().unwrap())
+            fs::read_to_string(path.join("report.html"))
+                .unwrap()
+                .contains(reported.split(['<', '(', '`']).next().unwrap())
         );
         // What was read is saved with it.
         let again = run(

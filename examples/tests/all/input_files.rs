@@ -100,7 +100,7 @@ fn an_input_is_never_removed_or_written_over() {
     }
 }
 
-/// The two examples without options write where they are told.
+/// The two examples without options write where their documentation says.
 #[test]
 fn an_input_is_not_the_output() {
     let mesh = place("same").join("part.stl");

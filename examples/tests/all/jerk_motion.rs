@@ -202,11 +202,11 @@ fn what_one_method_cannot_do_does_not_stop_the_others() {
     assert!(report.contains("no path on the grid"));
     // Both break off at the ridge.
     let faults = fs::read_to_string(path.join("path-faults.txt")).unwrap();
-    let told =
+    let reported =
         ["cell8", "ur3"].map(|robot| format!("waypoint 40: {robot} is too slow to go on; its motion begins anew\n"));
-    assert_eq!(faults, told.concat());
+    assert_eq!(faults, reported.concat());
     assert_documented(&path);
-    assert!(told.iter().all(|line| report.contains(line.trim())));
+    assert!(reported.iter().all(|line| report.contains(line.trim())));
 }
 
 #[test]
@@ -247,10 +247,10 @@ fn a_filter_that_passes_its_bounds_is_compared_with_one_that_may() {
     assert!(found.contains(&accepts), "{accepts}: {found}");
     let allowed: Vec<&str> = accepts.split(' ').collect();
     let (path, outcome) = run("crest", &[&words[..], &allowed].concat()).unwrap();
-    let told = findings(&path);
-    assert!(told.contains("warning: ur3_global: limits of jerk are passed: "), "{told}");
+    let reported = findings(&path);
+    assert!(reported.contains("warning: ur3_global: limits of jerk are passed: "), "{reported}");
     // The limits on speed and acceleration are not for sale.
-    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && told.contains("failed: ur3_global: limits of speed"));
+    assert!(matches!(outcome, Outcome::ChecksFailed(_)) && reported.contains("failed: ur3_global: limits of speed"));
     assert!(figure("global_freed", "max_velocity") <= figure("local", "max_velocity") * 1.001);
     for before in ["ladder", "local", "global"] {
         assert!(figure("global_freed", "spline_jerk") < figure(before, "spline_jerk"), "{before}");
@@ -329,7 +329,7 @@ fn bad_files_are_told() {
     let line = |x: f64| format!("{x} 0 0 0 0 1\n");
     let few: String = (0..4).map(|k| line(f64::from(k))).collect();
     let far: String = (0..6).map(|k| line(f64::from(k) * 0.8 + if k > 2 { 5.0 } else { 0.0 })).collect();
-    for (name, text, told) in [
+    for (name, text, reported) in [
         ("empty", String::new(), "there are no waypoints in it"),
         ("words", "0 0 0 0 0 one\n".to_owned(), "line 1 must be six numbers"),
         ("few_numbers", "0 0 0 0 0 1\n1 2 3\n".to_owned(), "line 2 must be six numbers"),
@@ -342,7 +342,7 @@ fn bad_files_are_told() {
         fs::write(&file, text).unwrap();
         let words = ["--waypoints", file.to_str().unwrap(), "--robots", "ur3"];
         let error = run(&format!("bad_{name}"), &words).unwrap_err();
-        assert!(error.contains(told), "{name}: {error}");
+        assert!(error.contains(reported), "{name}: {error}");
         assert!(!place(&format!("bad_{name}")).exists(), "{name}");
     }
     let long = place("files").join("long");

@@ -110,8 +110,9 @@ fn findings_are_told_in_every_place() {
     let mut report = Report::new("part");
     findings.report(&mut report);
     let html = report.to_html();
-    let [failed, told] = ["Check failed: no volume", "walls &lt; a cell: 0.1 %"].map(|text| html.find(text).unwrap());
-    assert!(failed < told, "what failed comes first");
+    let [failed, reported] =
+        ["Check failed: no volume", "walls &lt; a cell: 0.1 %"].map(|text| html.find(text).unwrap());
+    assert!(failed < reported, "what failed comes first");
     assert!(html.contains("<p class=\"advice\"><b>cause</b> the mesh is &lt;empty&gt;</p>"), "{html}");
     assert_eq!(
         (html.matches("<div class=\"notice failed\"").count(), html.matches("<div class=\"notice\"").count()),

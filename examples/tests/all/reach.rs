@@ -103,7 +103,7 @@ fn arguments_out_of_range_are_refused() {
     }
 }
 
-/// Too few samples for any frame in front: told, and nothing is left behind.
+/// Too few samples for any frame in front: reported, and nothing is left behind.
 #[test]
 fn no_frame_at_all_is_told() {
     let (path, folder) = (common::place("reach", "nothing"), common::folder("reach", "nothing"));

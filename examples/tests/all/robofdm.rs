@@ -268,7 +268,7 @@ fn bad_input_is_told_and_leaves_nothing() {
     let open = obj("open.obj", &shapes::ell(), 20);
     let ell = obj("ell.obj", &shapes::ell(), usize::MAX);
     let (open, ell) = (open.to_str().unwrap(), ell.to_str().unwrap());
-    for (name, words, told) in [
+    for (name, words, reported) in [
         ("open", vec!["--mesh", open], "must be closed"),
         ("root", vec!["--mesh", ell, "--root", "99"], "--root 99: there are 3 segments, from 0 to 2"),
         ("clusters", vec!["--mesh", ell, "--parts", "1000"], "clusters"),
@@ -276,7 +276,7 @@ fn bad_input_is_told_and_leaves_nothing() {
         ("cell", vec!["--mesh", ell, "--workcell", "no/cell.json"], "no/cell.json"),
     ] {
         let error = run(name, &words).unwrap_err();
-        assert!(error.contains(told), "{name}: {error}");
+        assert!(error.contains(reported), "{name}: {error}");
         assert!(!place(name).exists(), "{name}");
     }
     for words in [

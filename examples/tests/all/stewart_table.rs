@@ -75,7 +75,7 @@ fn waypoints_come_from_a_file() {
 #[test]
 fn bad_files_are_told() {
     fs::create_dir_all(place("files")).unwrap();
-    for (name, text, told) in [
+    for (name, text, reported) in [
         ("empty", "", "there are no waypoints in it"),
         ("words", "0,0,1,0,0,1\n1,2,three,0,0,1\n", "line 2 must be six numbers"),
         ("few", "0,0,1,0,0\n", "line 1 must be six numbers"),
@@ -86,7 +86,7 @@ fn bad_files_are_told() {
         let file = place("files").join(name);
         fs::write(&file, text).unwrap();
         let error = run(&format!("bad_{name}"), &["--waypoints", file.to_str().unwrap()]).unwrap_err();
-        assert!(error.contains(told), "{name}: {error}");
+        assert!(error.contains(reported), "{name}: {error}");
         assert!(!place(&format!("bad_{name}")).exists(), "{name}");
     }
     let long = place("files").join("long");

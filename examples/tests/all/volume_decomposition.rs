@@ -109,7 +109,7 @@ fn a_mesh_is_divided_and_files_of_before_go() {
     // On its back nothing hangs over, and the parts of the first run are gone.
     let (path, _) = run("mesh", &["--mesh", tee, "--base", "best"]).unwrap();
     assert_eq!((&summary(&path)["parts"], path.join("part_part_03.stl").exists()), (&1.into(), false));
-    // Too few parts are allowed: told, and the status is that of a failed check.
+    // Too few parts are allowed: reported, and the status is that of a failed check.
     let (path, outcome) = run("few", &["--mesh", tee, "--max-parts", "2"]).unwrap();
     assert!(matches!(outcome, Outcome::ChecksFailed(_)));
     let figures = summary(&path);
@@ -251,7 +251,7 @@ fn a_blocked_torch_is_told_with_its_limit() {
 #[test]
 fn bad_input_is_told_and_leaves_nothing() {
     let open = obj("open.obj", &shapes::ell(), 20);
-    for (name, words, told) in [
+    for (name, words, reported) in [
         ("open", vec!["--mesh", open.to_str().unwrap()], "the mesh is open"),
         ("torch", vec!["--torch", "300"], "the torch is 300 mm wide"),
         ("layers", vec!["--layer", "0.001"], "layers; the most are"),
@@ -259,7 +259,7 @@ fn bad_input_is_told_and_leaves_nothing() {
         ("least", vec!["--least-layer", "9"], "min_layer_mm"),
     ] {
         let error = run(name, &words).unwrap_err();
-        assert!(error.contains(told), "{name}: {error}");
+        assert!(error.contains(reported), "{name}: {error}");
         assert!(!place(name).exists(), "{name}");
     }
     for words in [

@@ -164,7 +164,7 @@ fn lengths_and_offsets_keep_the_closed_form() {
     }
 }
 
-/// Joint 4 stands still: its offset and what it turns cannot be told apart.
+/// Joint 4 stands still: its offset and what it turns cannot be distinguished.
 #[test]
 fn what_poses_leave_open_is_named() {
     let mut random = Pcg64Mcg::seed_from_u64(10);

@@ -87,7 +87,7 @@ fn places_where_nothing_can_stand_are_passed_over() {
     assert!(!best.at_end[0] && best.places > 7 && best.assessments > 0);
     let nowhere = |_: &Point3<f64>| None::<Worth>;
     assert_eq!(best_fixture_place(&region, &waypoints(2), 5.0, nowhere, &|_| Continue(())), Err(PlaceError::NoPlace));
-    // The end of the region is told.
+    // The end of the region is reported.
     let far = |place: &Point3<f64>| {
         let x = place.x;
         Some(move |_: usize, _: &Waypoint| Some(Assessment { clearance: 10.0, quality: x }))

@@ -155,7 +155,7 @@ fn what_does_not_fit_its_field_is_refused() {
     assert!(LinkFrame::Job { job: MAX_NUMBER + 1, connection: 1 }.encode().is_err());
     assert!(LinkFrame::Job { job: 0, connection: 1 }.encode().is_err());
     assert!(LinkFrame::Hold { version: MAX_NUMBER + 1, hold: true }.encode().is_err());
-    for (text, told) in [
+    for (text, reported) in [
         ("", "160 bytes"),
         (&format!("{:<159}\n", "x       L"), "it has no number"),
         (&format!("{:<159}\n", "8388608 E   STOP"), "its number is too large"),
@@ -167,7 +167,7 @@ fn what_does_not_fit_its_field_is_refused() {
         (&format!("{:<159}\n", "0       J   1.5         1"), "no whole number"),
     ] {
         let error = LinkFrame::decode(text.as_bytes()).unwrap_err().to_string();
-        assert!(error.contains(told), "{text}: {error}");
+        assert!(error.contains(reported), "{text}: {error}");
     }
     for line in ["", "R", "R 1 2 3 4 5", "R 1 2 3 4 5 6 7", "Q 1 2 3 4 5 6", "R 1 2 3 4 5 -6", "R 1 2 3 4 5 8388608"] {
         assert!(matches!(line.parse::<LinkReply>(), Err(LinkError::Reply { .. })), "{line}");

@@ -50,7 +50,7 @@ fn slow_best(table: &Table, places: &[PartPlace]) -> usize {
 proptest! {
     #[test]
     fn the_best_place_is_that_of_all_assessments((table, places) in table()) {
-        // The waypoint's height tells which one it is; its place is told by the closure's first argument.
+        // The waypoint's height tells which one it is; its place is given by the closure's first argument.
         let waypoints: Vec<_> = (0..table[0].len()).map(|k| upright(0.0, 0.0, k as f64)).collect();
         let calls = RefCell::new(0u64);
         let assess = |place: &PartPlace, at: &Waypoint| {

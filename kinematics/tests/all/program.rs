@@ -596,8 +596,8 @@ fn files_with_wrong_filament_speeds_say_where() {
         error("set_standard_analog_out(0,1/filament_full_scale)"),
         "line 4, column 1: expected filament_full_scale before an analog output, found `set_standard_analog_out`"
     );
-    let told = error(&format!("{scale}set_standard_analog_out(0,11/filament_full_scale)"));
-    assert_eq!(told, "line 5, column 27: 11 cannot be a speed of the filament from 0 to the full scale");
+    let reported = error(&format!("{scale}set_standard_analog_out(0,11/filament_full_scale)"));
+    assert_eq!(reported, "line 5, column 27: 11 cannot be a speed of the filament from 0 to the full scale");
     assert!(error(&format!("{scale}set_standard_analog_out(0,-1/filament_full_scale)")).contains("-1 cannot be"));
     assert!(error(&format!("{scale}set_standard_analog_out(0,0.5)")).contains("expected /, found `)`"));
     assert!(error("filament_full_scale=0").contains("0 cannot be a speed of the filament"));
@@ -714,8 +714,8 @@ fn steps_that_cannot_be_are_named() {
 
 #[test]
 fn files_that_are_none_say_where() {
-    let told = |error: ReadError| error.to_string();
-    let script = |text: &str| told(from_script(text.as_bytes()).unwrap_err());
+    let reported = |error: ReadError| error.to_string();
+    let script = |text: &str| reported(from_script(text.as_bytes()).unwrap_err());
     assert_eq!(script(""), "line 1, column 1: expected def, found the end of the file");
     let head = "def a():\nwork=p[0,0,0,0,0,0]\nset_tcp(p[0,0,0,0,0,0])\n";
     assert_eq!(
@@ -738,7 +738,7 @@ fn files_that_are_none_say_where() {
     assert!(part("MODULE a PROC a() ENDPROC ENDMODULE more").contains("expected the end of the file, found `more`"));
     let zone = target.replace("1,1,0,0", "1,0,0,0").replace("fine", "z7");
     assert!(part(&zone).contains("expected a zone, found `z7`"), "{}", part(&zone));
-    let csv = |text: &str| told(from_csv(text.as_bytes()).unwrap_err());
+    let csv = |text: &str| reported(from_csv(text.as_bytes()).unwrap_err());
     assert!(csv("").contains("expected the header"));
     let good = String::from_utf8(to_csv(&[line(1.0, 2.0, 3.0, Zone::Stop)]).unwrap()).unwrap();
     assert!(csv(&good.replace("-12.25", "x")).contains("line 2, column 8: expected a finite number, found `x`"));
@@ -801,8 +801,8 @@ fn samples_that_cannot_be_are_named() {
     let sample = |time_s: f64| TimedJoints { time_s, joints: [0.0; 6], extruder: false };
     let error = |samples: Vec<TimedJoints>| resample(samples, ServoRate::Hz125).find_map(Result::err).unwrap();
     for time in [1.0, 0.5, f64::NAN, f64::INFINITY, 1e9] {
-        let told = error([0.0, 1.0, time].map(sample).to_vec());
-        assert!(matches!(told, ResampleError::Time { index: 2, .. }), "{told}");
+        let reported = error([0.0, 1.0, time].map(sample).to_vec());
+        assert!(matches!(reported, ResampleError::Time { index: 2, .. }), "{reported}");
     }
     assert!(matches!(error(vec![sample(f64::NAN)]), ResampleError::Time { index: 0, .. }));
     let broken = TimedJoints { joints: [0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0], ..sample(0.5) };

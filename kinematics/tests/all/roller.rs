@@ -52,14 +52,14 @@ fn a_file_may_have_it() {
     let text = UR3.replace("\"plate\":", "\"roller\": {\"diameter_mm\": 16, \"width_mm\": 6, \"block_diameter_mm\": 20, \"block_top_mm\": 50, \"mount_deg\": 90},\n  \"plate\":");
     let model = WorkcellModel::from_json(text.as_bytes()).unwrap();
     assert_eq!(model.roller.unwrap().mount_deg, Some(90.0));
-    for (from, to, told) in [
+    for (from, to, reported) in [
         ("\"width_mm\": 6", "\"width_mm\": 0", "roller.width_mm"),
         ("\"block_top_mm\": 50", "\"block_top_mm\": 16", "above the diameter of the roller, 16"),
         ("\"diameter_mm\": 16", "\"diameter_mm\": -1", "roller.diameter_mm"),
         ("\"mount_deg\": 90", "\"mount_deg\": 1e9", "roller.mount_deg"),
     ] {
         let error = AnyWorkcell::from_json(text.replace(from, to).as_bytes()).unwrap_err().to_string();
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(reported), "{error}");
     }
     assert!(cell().with_roller(RollerModel { block_diameter_mm: f64::NAN, ..RollerModel::default() }, 0.0).is_err());
     assert!(cell().with_roller(RollerModel::default(), f64::INFINITY).is_err());

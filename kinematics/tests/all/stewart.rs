@@ -383,8 +383,8 @@ fn legs_that_no_pose_has_are_told() {
     for (leg, length) in [(0, 0.0), (1, -3.0), (5, f64::NAN), (2, f64::INFINITY)] {
         let mut legs = table.legs(&home);
         legs[leg] = length;
-        let told = table.pose_near(&legs, &home).unwrap_err();
-        assert!(matches!(told, StewartError::Length { leg: which, .. } if which == leg), "{told}");
+        let reported = table.pose_near(&legs, &home).unwrap_err();
+        assert!(matches!(reported, StewartError::Length { leg: which, .. } if which == leg), "{reported}");
         assert!(table.modes(&legs, 5, 1).is_err());
     }
     assert_eq!(table.pose_near(&table.legs(&home), &at(f64::NAN, 0.0, 0.0, [0.0; 3])), Err(StewartError::Pose));

@@ -686,8 +686,11 @@ fn an_arm_that_cannot_reach_is_refused() {
         far
     };
     assert!(AnyWorkcell::new(at(1008.0)).is_ok());
-    let told = refused(at(1009.0));
-    assert!(told.starts_with("nozzle.tip_mm: stretched out, the arm reaches 888.4 mm: with the 120.0 mm"), "{told}");
+    let reported = refused(at(1009.0));
+    assert!(
+        reported.starts_with("nozzle.tip_mm: stretched out, the arm reaches 888.4 mm: with the 120.0 mm"),
+        "{reported}"
+    );
     let mut away = model(UR10);
     away.part.position_mm = [3000.0, 0.0, 0.0];
     assert!(refused(away).starts_with("part: "));

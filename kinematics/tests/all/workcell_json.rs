@@ -213,13 +213,13 @@ impl Write for Broken {
 
 #[test]
 fn disks_fail_and_bytes_are_no_text() {
-    let told = |result: Result<(), WorkcellFileError>, what: &str| match result {
+    let reported = |result: Result<(), WorkcellFileError>, what: &str| match result {
         Err(WorkcellFileError::Io { what: said }) => assert!(said.contains(what), "{said}"),
         other => panic!("{other:?}"),
     };
-    told(WorkcellModel::from_json(Broken).map(drop), "the disk is gone");
-    told(WorkcellModel::from_json([0xff, 0xfe].as_slice()).map(drop), "UTF-8");
-    told(read(FILES[0]).write_json(Broken), "the disk is full");
+    reported(WorkcellModel::from_json(Broken).map(drop), "the disk is gone");
+    reported(WorkcellModel::from_json([0xff, 0xfe].as_slice()).map(drop), "UTF-8");
+    reported(read(FILES[0]).write_json(Broken), "the disk is full");
     // JSON has no NaN, so it is not written.
     let mut model = read(FILES[0]);
     model.part.position_mm[0] = f64::NAN;

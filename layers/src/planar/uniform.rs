@@ -1,4 +1,4 @@
-//! Uniform slicing: each level of cells is a layer, and what hangs in the air is missed.
+//! For reproducing Boge (2019), section 6.3: each level of cells is a layer, and what hangs in the air is missed. Prints use curved layers.
 //!
 //! Boge 2019, section 6.3 (Table 6.6, Figures 6.2 to 6.6).
 //! The thesis counts missed cells without saying when one is missed. The rule here gives all five of her counts: a

@@ -138,7 +138,7 @@ impl Patch {
     }
 
     /// Lays a segment between two points; `rise` is how much greater the winding number is to its left. A crossing with
-    /// another segment makes a point, of which `cross` is told the ends of a segment that it lies on and the share
+    /// another segment makes a point, of which `cross` gets the ends of a segment that it lies on and the share
     /// of the way.
     pub(super) fn connect(
         &mut self,

@@ -385,7 +385,7 @@ impl Cutter {
     }
 }
 
-/// A triangle of the sheet and the measures in which points of its plane are told.
+/// A triangle of the sheet and the measures in which points of its plane are given.
 struct Frame<'a> {
     corners: [&'a Point3<f64>; 3],
 }

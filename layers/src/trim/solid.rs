@@ -104,7 +104,7 @@ impl Solid {
     /// what it leaves on the way up. Exact.
     pub(super) fn winding(&self, p: &Point3<f64>) -> i32 {
         let top = self.tree.bounds().high.z;
-        // One millimetre and more above all, told apart from it at any size that is let in.
+        // One millimetre and more above all, distinguished from it at any size that is let in.
         let far = Point3::new(p.x, p.y, top.max(p.z) + 1.0 + 1e-3 * top.abs());
         let mut sum = 0;
         self.tree.meeting(&Bounds::of([p, &far]), |triangle| sum += leaves(p, &far, self.corners(triangle)));

@@ -124,7 +124,7 @@ impl Angles {
             let round = obtuse == [true; 2] || (obtuse != [false; 2] && y < 0.0);
             self.turns += if round { 1.0 } else { 0.0 };
         } else if b < 0.0 && im < 0.0 {
-            // Minus pi is told as pi.
+            // Minus pi counts as pi.
             let round = obtuse == [true; 2] || is_up(x, y);
             self.turns -= if round { 1.0 } else { 0.0 };
         }

@@ -165,7 +165,9 @@ fn unsound_directions_are_refused() {
     assert_eq!(none.directions[mast.cells().id([1, 1, 1]) as usize], Vector3::zeros());
     for angle in [0.0, -0.1, std::f64::consts::FRAC_PI_2, f64::NAN] {
         let refused = part.upright_directions(angle);
-        assert!(matches!(refused, Err(DirectionsError::Overhang { angle: told }) if told.to_bits() == angle.to_bits()));
+        assert!(
+            matches!(refused, Err(DirectionsError::Overhang { angle: reported }) if reported.to_bits() == angle.to_bits())
+        );
     }
     let given = part.directions_at(&[fine]).unwrap().directions;
     assert_eq!(mast.grown(&given[1..], None), Err(GrowthError::Directions { len: given.len() }));

@@ -194,7 +194,7 @@ fn an_arch_closes_as_a_valley() {
     };
     for tilt in [-0.1, 1.6, f64::NAN] {
         assert!(
-            matches!(leaning(tilt), Err(GrowthError::LayerTilt { tilt: told }) if told.to_bits() == tilt.to_bits())
+            matches!(leaning(tilt), Err(GrowthError::LayerTilt { tilt: reported }) if reported.to_bits() == tilt.to_bits())
         );
     }
     let level = leaning(0.0).unwrap();

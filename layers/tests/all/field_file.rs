@@ -1,4 +1,4 @@
-//! Fields in files: they come back as they were, and what is no such file is told by its line.
+//! Fields in files: they come back as they were, and what is no such file is reported by its line.
 
 use curvlay_layers::cells::{Cells, CellsError};
 use curvlay_layers::curved::surface::{

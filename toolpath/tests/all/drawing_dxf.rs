@@ -13,7 +13,7 @@ use std::path::Path;
 #[test]
 fn damaged_entities_are_left_out_and_named() {
     let sound = "0 LINE 5 2F 8 A 10 0 20 0 11 3 21 4";
-    for (entities, told) in [
+    for (entities, reported) in [
         ("0 CIRCLE 8 A 10 0 20 0 40 0", "1 CIRCLE (its radius is 0): line 20"),
         ("0 CIRCLE 5 30 8 A 10 0 20 NaN 40 1", "1 CIRCLE (`NaN` is not a finite number): line 28 (handle 30)"),
         ("0 CIRCLE 8 A 10 0 20 1e999 40 1", "1 CIRCLE (`1e999` is not a finite number): line 26"),
@@ -34,7 +34,7 @@ fn damaged_entities_are_left_out_and_named() {
         let drawing = read(&format!("{sound} {entities}"));
         assert_eq!(drawing.entities.len(), 1, "{entities}");
         assert_eq!(drawing.skipped.len(), 1, "{entities}");
-        assert!(drawing.skipped[0].to_string().contains(told), "{entities}: {}", drawing.skipped[0]);
+        assert!(drawing.skipped[0].to_string().contains(reported), "{entities}: {}", drawing.skipped[0]);
         // Nothing else is a drawing of nothing, which names what was found.
         let alone = read(entities);
         assert_eq!((alone.entities.len(), alone.skipped_count()), (0, 1), "{entities}");
@@ -47,14 +47,14 @@ fn damaged_entities_are_left_out_and_named() {
 fn blocks_that_cannot_be_are_left_out() {
     let sound = "0 BLOCK 2 Leaf 0 CIRCLE 8 0 10 0 20 0 40 1 0 ENDBLK";
     let read = |blocks: &str, entities: &str| read_dxf(file(blocks, entities).as_bytes()).unwrap();
-    let told = |drawing: &Drawing| drawing.skipped.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    let reported = |drawing: &Drawing| drawing.skipped.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     for blocks in [
         "0 BLOCK 2 BAD 10 x 20 0 0 CIRCLE 8 0 10 0 20 0 40 0 0 ENDBLK",
         "0 BLOCK 2 BAD 0 INSERT 2 NO 10 0 20 0 0 ENDBLK",
         "0 BLOCK 2 BAD 0 INSERT 2 BAD 10 0 20 0 0 ENDBLK",
     ] {
         let drawing = read(&format!("{blocks} {sound}"), "0 INSERT 2 LEAF 10 5 20 0 0 INSERT 2 leaf 10 9 20 0");
-        assert_eq!((drawing.entities.len(), told(&drawing)), (2, String::new()), "{blocks}");
+        assert_eq!((drawing.entities.len(), reported(&drawing)), (2, String::new()), "{blocks}");
     }
     let bad = read(
         &format!("0 BLOCK 2 BAD 10 x 20 0 0 LINE 10 0 20 0 11 1 21 1 0 ENDBLK {sound}"),
@@ -62,9 +62,9 @@ fn blocks_that_cannot_be_are_left_out() {
     );
     assert_eq!(bad.entities.len(), 1);
     assert!(
-        told(&bad).contains("INSERT (base point of the block `BAD`: `x` is not a finite number)"),
+        reported(&bad).contains("INSERT (base point of the block `BAD`: `x` is not a finite number)"),
         "{}",
-        told(&bad)
+        reported(&bad)
     );
     // A and B in each other, C with one of them and a line of its own.
     let circle = "0 BLOCK 2 A 0 INSERT 2 B 10 0 20 0 0 LINE 8 0 10 0 20 0 11 1 21 1 0 ENDBLK 0 BLOCK 2 B 0 INSERT 2 A 10 0 20 0 0 ENDBLK \
@@ -72,17 +72,17 @@ fn blocks_that_cannot_be_are_left_out() {
     for (name, drawn) in [("A", 1), ("B", 0), ("C", 1)] {
         let drawing = read(circle, &format!("0 INSERT 2 {name} 10 0 20 0"));
         assert_eq!(drawing.entities.len(), drawn, "{name}");
-        assert!(told(&drawing).contains("or it is within itself"), "{name}: {}", told(&drawing));
+        assert!(reported(&drawing).contains("or it is within itself"), "{name}: {}", reported(&drawing));
     }
     // Scaled to nothing.
     let flat = read(sound, "0 INSERT 2 Leaf 10 0 20 0 41 0 42 0 0 INSERT 2 Leaf 10 0 20 0");
-    assert_eq!((flat.entities.len(), told(&flat).contains("CIRCLE (the radius is 0)")), (1, true));
+    assert_eq!((flat.entities.len(), reported(&flat).contains("CIRCLE (the radius is 0)")), (1, true));
     // 40 blocks in each other: the outermost are left out.
     let deep: String = (0..40)
         .map(|k| format!("0 BLOCK 2 B{k} 0 INSERT 2 B{} 10 0 20 0 0 LINE 8 0 10 0 20 0 11 1 21 1 0 ENDBLK ", k + 1))
         .collect();
     let deep = format!("{deep} 0 BLOCK 2 B40 0 LINE 8 0 10 0 20 0 11 1 21 1 0 ENDBLK");
-    assert!(told(&read(&deep, "0 INSERT 2 B0 10 0 20 0")).contains("more than 32 blocks in each other"));
+    assert!(reported(&read(&deep, "0 INSERT 2 B0 10 0 20 0")).contains("more than 32 blocks in each other"));
     assert_eq!(read(&deep, "0 INSERT 2 B10 10 0 20 0").entities.len(), 31);
 }
 
@@ -138,22 +138,22 @@ fn hidden_layers_are_left_out_and_named() {
     let blocks = "0 BLOCK 2 B 0 CIRCLE 8 0 10 0 20 0 40 1 0 CIRCLE 8 CUT 10 0 20 0 40 2 0 CIRCLE 8 FROZEN 10 0 20 0 40 3 0 ENDBLK";
     let read = |entities: &str| {
         let drawing = read_dxf((tables.clone() + &file(blocks, entities)).as_bytes()).unwrap();
-        let told =
+        let reported =
             drawing.skipped.iter().map(|skipped| format!("{} {}", skipped.count, skipped.what)).collect::<Vec<_>>();
-        (drawing.layers(), told.join(", "))
+        (drawing.layers(), reported.join(", "))
     };
     let line = |layer: &str| format!("0 LINE 8 {layer} 10 0 20 0 11 1 21 1 ");
-    let (layers, told) = read(&(line("CUT") + &line("HIDDEN") + &line("HIDDEN") + &line("frozen")));
+    let (layers, reported) = read(&(line("CUT") + &line("HIDDEN") + &line("HIDDEN") + &line("frozen")));
     assert_eq!(layers, [("CUT".to_owned(), 1)]);
-    assert_eq!(told, "2 LINE (layer `HIDDEN` is off), 1 LINE (layer `frozen` is frozen)");
-    let (layers, told) = read("0 INSERT 8 CUT 2 B 10 0 20 0");
-    assert_eq!((layers, told.as_str()), (vec![("CUT".to_owned(), 2)], "1 CIRCLE (layer `FROZEN` is frozen)"));
+    assert_eq!(reported, "2 LINE (layer `HIDDEN` is off), 1 LINE (layer `frozen` is frozen)");
+    let (layers, reported) = read("0 INSERT 8 CUT 2 B 10 0 20 0");
+    assert_eq!((layers, reported.as_str()), (vec![("CUT".to_owned(), 2)], "1 CIRCLE (layer `FROZEN` is frozen)"));
     // On a layer that is off what is on other layers is shown; on a frozen one nothing.
-    let (layers, told) = read("0 INSERT 8 HIDDEN 2 B 10 0 20 0");
+    let (layers, reported) = read("0 INSERT 8 HIDDEN 2 B 10 0 20 0");
     assert_eq!(layers, [("CUT".to_owned(), 1)]);
-    assert_eq!(told, "1 CIRCLE (layer `FROZEN` is frozen), 1 CIRCLE (layer `HIDDEN` is off)");
-    let (layers, told) = read("0 INSERT 8 FROZEN 2 B 10 0 20 0");
-    assert_eq!((layers, told.as_str()), (Vec::new(), "1 INSERT (layer `FROZEN` is frozen)"));
+    assert_eq!(reported, "1 CIRCLE (layer `FROZEN` is frozen), 1 CIRCLE (layer `HIDDEN` is off)");
+    let (layers, reported) = read("0 INSERT 8 FROZEN 2 B 10 0 20 0");
+    assert_eq!((layers, reported.as_str()), (Vec::new(), "1 INSERT (layer `FROZEN` is frozen)"));
 }
 
 /// Names in the code page of the header, in a text and a binary file.
@@ -250,10 +250,10 @@ fn binary_files_are_read() {
         for (a, b) in drawing.entities.iter().zip(&expected.entities) {
             assert_eq!((&a.kind, &a.curves, a.closed), (&b.kind, &b.curves, b.closed));
         }
-        let told: Vec<String> = drawing.skipped.iter().map(ToString::to_string).collect();
+        let reported: Vec<String> = drawing.skipped.iter().map(ToString::to_string).collect();
         assert!(
-            told[0].starts_with("1 CIRCLE (its radius is 0): byte ") && told[0].ends_with("(handle 2C)"),
-            "{told:?}"
+            reported[0].starts_with("1 CIRCLE (its radius is 0): byte ") && reported[0].ends_with("(handle 2C)"),
+            "{reported:?}"
         );
         // Cut anywhere it is refused, but for its last pair.
         for length in 0..bytes.len() - 6 {
@@ -290,7 +290,7 @@ fn export(name: &str) -> Drawing {
 /// What drawings look like that programs export: all their entities, areas by their formulas, and names of what is not drawn.
 #[test]
 fn exports_of_programs_are_read() {
-    let told = |drawing: &Drawing| drawing.skipped.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let reported = |drawing: &Drawing| drawing.skipped.iter().map(ToString::to_string).collect::<Vec<_>>();
     let printed = |drawing: &Drawing| {
         let joined = join(&contours(drawing, 1e-3), 0.005).unwrap().contours;
         assert!(joined.iter().all(|contour| contour.closed), "{joined:?}");
@@ -304,27 +304,31 @@ fn exports_of_programs_are_read() {
     near(printed(&inkscape), (1, 800.0 - (4.0 - PI) * 25.0), 1e-3);
     assert_eq!((inkscape.unit_mm, inkscape.layers().len()), (Some(1.0), 1));
     assert!(
-        told(&inkscape)[0].starts_with("5 LWPOLYLINE (it has fewer than two vertices): line "),
+        reported(&inkscape)[0].starts_with("5 LWPOLYLINE (it has fewer than two vertices): line "),
         "{:?}",
-        told(&inkscape)
+        reported(&inkscape)
     );
 
     let librecad = export("librecad-2007.dxf");
     near(printed(&librecad), (3, 1800.0 + PI * 225.0 + PI * 100.0 + PI * 50.0), 1e-3);
     assert_eq!(librecad.layers(), [("Außen".to_owned(), 4)]);
     let names = ["1 CIRCLE (its radius is 0): ", "1 LINE (layer `Hilfe` is frozen): ", "1 MTEXT: "];
-    assert!(told(&librecad).iter().zip(names).all(|(found, name)| found.starts_with(name)), "{:?}", told(&librecad));
+    assert!(
+        reported(&librecad).iter().zip(names).all(|(found, name)| found.starts_with(name)),
+        "{:?}",
+        reported(&librecad)
+    );
 
     // Leaves of two arcs, inserted in another case; a frame that nobody inserts has a block that is missing.
     let r12 = export("cad-r12.dxf");
     let (count, _) = printed(&r12);
-    assert_eq!((count, r12.unit_mm, told(&r12).len()), (6, None, 1));
-    assert!(told(&r12)[0].starts_with("1 POINT: "), "{:?}", told(&r12));
+    assert_eq!((count, r12.unit_mm, reported(&r12).len()), (6, None, 1));
+    assert!(reported(&r12)[0].starts_with("1 POINT: "), "{:?}", reported(&r12));
 
     // In inches.
     let today = export("cad-2018.dxf");
     near(printed(&today), (2, (2.0 * PI + PI) * 25.4 * 25.4), 0.01);
     let names = ["1 DIMENSION: ", "1 HATCH: ", "1 LINE (it has no length): ", "1 VIEWPORT (in paper space): "];
-    assert!(told(&today).iter().zip(names).all(|(found, name)| found.starts_with(name)), "{:?}", told(&today));
-    assert!(told(&today)[2].ends_with("(handle B5)"));
+    assert!(reported(&today).iter().zip(names).all(|(found, name)| found.starts_with(name)), "{:?}", reported(&today));
+    assert!(reported(&today)[2].ends_with("(handle B5)"));
 }

@@ -194,7 +194,7 @@ fn damaged_saves_are_refused_with_their_line() {
     assert!(matches!(load_drawing(&b"curvlay-drawing 3\nend\n"[..]), Err(LoadError::Head)));
     assert!(matches!(load_drawing(&b"\xff\n"[..]), Err(LoadError::Head)));
     assert!(matches!(load_drawing(&b"curvlay-drawing 1\nentity 1 open\n"[..]), Err(LoadError::Truncated { line: 2 })));
-    for (text, told) in [
+    for (text, reported) in [
         ("line 1 2 3 4", "line 2: it belongs to an entity"),
         ("entity 1 open\nline 1 2 3", "line 3: it must have four numbers"),
         ("entity 1 open\nline 1 2 3 x", "line 3: a number is not one"),
@@ -216,7 +216,7 @@ fn damaged_saves_are_refused_with_their_line() {
         ("circle 1 2 3", "line 2: its first word is unknown"),
     ] {
         let error = load_drawing(format!("curvlay-drawing 1\n{text}\nend\n").as_bytes()).unwrap_err().to_string();
-        assert!(error.contains(told), "{text}: {error}");
+        assert!(error.contains(reported), "{text}: {error}");
     }
     let windows = load_drawing(&b"curvlay-drawing 1\r\nentity 1 open\r\nlayer A B\r\nend\r\n"[..]).unwrap();
     assert_eq!(windows.entities[0].layer, "A B");

@@ -32,7 +32,7 @@ fn area(drawing: &Drawing) -> f64 {
     area
 }
 
-fn told(drawing: &Drawing) -> String {
+fn reported(drawing: &Drawing) -> String {
     drawing.skipped.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
@@ -96,7 +96,7 @@ fn layers_have_the_names_that_inkscape_shows() {
     );
     let names: Vec<String> = drawing.layers().into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["0", "Boden", "Tür", "Wand", "plain"]);
-    assert_eq!(told(&drawing), "1 rect (hidden): line 2; 1 rect (layer `Hilfslinien` is hidden): line 2");
+    assert_eq!(reported(&drawing), "1 rect (hidden): line 2; 1 rect (layer `Hilfslinien` is hidden): line 2");
 }
 
 /// Squares of 50 mm by programs that take other pixels for an inch: read too large or too small, and said so.
@@ -155,7 +155,7 @@ fn what_is_not_drawn_is_named() {
         <g clip-path="url(#c)"><rect width="9" height="9"/></g><style>.off { display: none }</style><rect class="off" width="3" height="3"/>
         <use xlink:href="#gone"/>"##,
     );
-    let told = told(&drawing);
+    let reported = reported(&drawing);
     for part in [
         "1 text (convert it to paths): line 3 (id t1)",
         "1 circle (without extent, damaged, or hidden): line 3 (id c1)",
@@ -163,9 +163,9 @@ fn what_is_not_drawn_is_named() {
         "1 rect (invisible): line 3",
         "1 rect (without extent, damaged, or hidden): line 4",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(reported.contains(part), "{part}: {reported}");
     }
-    assert_eq!((drawing.entities.len(), drawing.skipped_count()), (1, 5), "{told}");
+    assert_eq!((drawing.entities.len(), drawing.skipped_count()), (1, 5), "{reported}");
     assert_eq!(drawing.notes, ["clip paths and masks are not applied, what they cut off is drawn: 1"]);
 }
 
@@ -177,7 +177,7 @@ fn nothing_outside_is_opened() {
             let drawing = read(&format!(
                 r#"<circle cx="50" cy="50" r="30"/><image width="10" height="10" {attribute}="{target}"/>"#
             ));
-            assert_eq!((drawing.entities.len(), told(&drawing).as_str()), (1, "1 image: line 2"));
+            assert_eq!((drawing.entities.len(), reported(&drawing).as_str()), (1, "1 image: line 2"));
         }
     }
 }
@@ -239,6 +239,6 @@ fn an_export_of_inkscape_is_read() {
     assert!((area(&drawing) - expected).abs() < 0.1, "{}", area(&drawing));
     let expected =
         "1 rect (layer `Notizen` is hidden): line 59 (id rect9); 1 text (convert it to paths): line 70 (id text21)";
-    assert_eq!(told(&drawing), expected);
+    assert_eq!(reported(&drawing), expected);
     assert!(drawing.unit_mm.is_some() && drawing.notes.len() == 1, "{:?}", drawing.notes);
 }

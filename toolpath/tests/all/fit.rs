@@ -1,4 +1,4 @@
-//! Beads that fit nowhere, and beads so narrow that their points would not fit into memory: told, and in no time.
+//! Beads that fit nowhere, and beads so narrow that their points would not fit into memory: reported, and in no time.
 
 use crate::common::go_on;
 use curvlay_toolpath::Progress;
@@ -27,8 +27,8 @@ fn a_bead_wider_than_the_part_is_refused_with_one_that_fits() {
         let walls = walls(wide, 30.0);
         let options = PathOptions { bead, fitted, ..PathOptions::default() };
         let error = fill_layers(&surfaces(&walls), &options, &go_on).unwrap_err();
-        let FillLayersError::NothingFits { bead: told, widest_mm, fits_mm } = error else { panic!("{error}") };
-        assert!(told >= bead && (widest_mm - wide).abs() < 1e-6 * wide, "{error}");
+        let FillLayersError::NothingFits { bead: reported, widest_mm, fits_mm } = error else { panic!("{error}") };
+        assert!(reported >= bead && (widest_mm - wide).abs() < 1e-6 * wide, "{error}");
         assert!(error.to_string().contains("fits nowhere"), "{error}");
         // What it says fits does.
         let options = PathOptions { bead: fits_mm, ..options };

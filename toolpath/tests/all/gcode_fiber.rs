@@ -100,7 +100,7 @@ fn retractions_go_round_the_tapes() {
     assert!(read_as(&file, IJK).is_ok());
 }
 
-/// The end of a file lifts off a bead, not off a tape, and what a machine with rotary axes is told says the same.
+/// The end of a file lifts off a bead, not off a tape, and the lines for a machine with rotary axes say the same.
 #[test]
 fn rotary_machines_lay_tapes_too() {
     let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..BARE() };

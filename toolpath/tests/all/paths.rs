@@ -308,8 +308,8 @@ fn what_cannot_be_done_says_why() {
         assert!(matches!(with(bead), Err(PathError::Bead { .. })));
     }
     for gap in [-1.0, f64::NAN, f64::INFINITY] {
-        let told = field.paths(&PathOptions { min_gap: gap, ..PathOptions::default() }, &go_on);
-        assert!(matches!(told, Err(PathError::Gap { .. })));
+        let reported = field.paths(&PathOptions { min_gap: gap, ..PathOptions::default() }, &go_on);
+        assert!(matches!(reported, Err(PathError::Gap { .. })));
     }
     assert!(matches!(with(1e-300), Err(PathError::BeadTooSmall { .. })));
     assert!(with(1e300).unwrap().paths.is_empty());

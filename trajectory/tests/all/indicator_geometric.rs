@@ -276,7 +276,7 @@ fn indicator_is_the_least_of_all_and_its_gradient_that_of_the_value() {
         let q = sample.joints;
         let (value, gradient) = indicator.gradient(&q);
         assert!((value - indicator.value(&q)).abs() < 1e-12);
-        // The flange 2 mm deep in the part: how deep is not told beyond that, so no slope of it either.
+        // The flange 2 mm deep in the part: how deep is not reported beyond that, so no slope of it either.
         if indicator.nearest(&q).bodies == [6, 0] && (value - 2.0).abs() < 0.1 {
             deep += 1;
             continue;

@@ -8,7 +8,7 @@ use curvlay_trajectory::indicator::{
 };
 use proptest::prelude::*;
 
-/// Sixty points of a square; those in a disc collide, one in ten is told wrong.
+/// Sixty points of a square; those in a disc collide, one in ten is labelled wrong.
 fn fixed_data() -> Vec<Sample<2>> {
     let mut fixed = Fixed(2020);
     (0..60)
@@ -199,7 +199,7 @@ fn training_errors() {
     assert_eq!(train(&[]), SvmError::OneKind { free: 0, colliding: 0 });
     assert_eq!(train(&[at(0.0, true)]), SvmError::OneKind { free: 0, colliding: 1 });
     let SvmError::NotFinite { sample: 1, joint: 0, value } = train(&[at(0.0, true), at(f64::NAN, false)]) else {
-        panic!("not told")
+        panic!("not reported")
     };
     assert!(value.is_nan());
     let both = [at(0.0, true), at(1.0, false)];

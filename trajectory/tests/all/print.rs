@@ -463,8 +463,8 @@ fn waypoints_out_of_reach_and_blocked_ones_are_left_out_and_told() {
     let tilted = UnitVector3::new_normalize(Vector3::new(0.3, 0.0, 1.0));
     paths[0].waypoints[20].axis = tilted;
     let plan = planned(Wall::None, &paths).unwrap();
-    let told: Vec<_> = plan.faults.iter().map(|fault| (fault.kind, fault.path, fault.waypoint)).collect();
-    assert_eq!(told, [(FaultKind::Unreachable, 0, 20)]);
+    let reported: Vec<_> = plan.faults.iter().map(|fault| (fault.kind, fault.path, fault.waypoint)).collect();
+    assert_eq!(reported, [(FaultKind::Unreachable, 0, 20)]);
     let given = |run: usize| plan.runs[run].passes.iter().filter_map(|pass| pass.1).collect::<Vec<_>>();
     assert_eq!((plan.runs.len(), given(0), given(1)[0]), (5, (0..20).collect(), 21));
     assert_eq!(plan.layers[0].faults, 1);
@@ -488,13 +488,13 @@ fn transfers_that_are_not_found_are_told_with_the_path_that_they_leave() {
     let plan = planned(Wall::Moving, &rings()).unwrap();
     assert_eq!((plan.runs.len(), plan.travels.len(), plan.count(FaultKind::NoTransfer)), (4, 3, 3));
     assert!(plan.travels.iter().all(Option::is_none));
-    let told: Vec<_> = plan.faults.iter().map(|fault| (fault.layer, fault.path, fault.waypoint)).collect();
-    assert_eq!(told, [(0, 0, 57), (0, 1, 57), (1, 2, 57)]);
+    let reported: Vec<_> = plan.faults.iter().map(|fault| (fault.layer, fault.path, fault.waypoint)).collect();
+    assert_eq!(reported, [(0, 0, 57), (0, 1, 57), (1, 2, 57)]);
     assert_eq!(plan.segments(0..4).count(), 4);
 }
 
 /// The table turns from -7 to 6.5: two and a half times around is too far, and it has to be set anew on the way. The second run begins at
-/// the waypoint where the first one ends, so that nothing is left out and no break is told.
+/// the waypoint where the first one ends, so that nothing is left out and no break is reported.
 #[test]
 fn a_path_that_comes_to_a_stop_is_printed_whole_in_two_runs() {
     let paths = [Owned::new(0, circle(40.0, 1.0, 2.5, 0.1))];
@@ -532,10 +532,10 @@ fn a_waypoint_on_its_own_is_told() {
     let tilted = UnitVector3::new_normalize(Vector3::new(0.3, 0.0, 1.0));
     [1, 3].into_iter().for_each(|k| paths[0].waypoints[k].axis = tilted);
     let plan = planned(Wall::None, &paths).unwrap();
-    let told: Vec<_> = plan.faults.iter().map(|fault| (fault.kind, fault.waypoint, &fault.what[..])).collect();
+    let reported: Vec<_> = plan.faults.iter().map(|fault| (fault.kind, fault.waypoint, &fault.what[..])).collect();
     let alone = "a waypoint on its own";
     assert_eq!(
-        told,
+        reported,
         [
             (FaultKind::Unreachable, 1, ""),
             (FaultKind::Unreachable, 3, ""),
@@ -661,7 +661,7 @@ fn what_cannot_be_planned_is_named() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
-    /// Random walks: whatever comes out keeps limits and path, or is told.
+    /// Random walks: whatever comes out keeps limits and path, or is reported.
     #[test]
     fn what_is_planned_keeps_limits_and_path(
         steps in prop::collection::vec((-0.25..0.25f64, -2.0..2.0f64), 2..60),

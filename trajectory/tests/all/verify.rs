@@ -127,7 +127,7 @@ proptest! {
             let is_stuck = case.collides[i] && case.candidates[i].is_empty();
             prop_assert_eq!(repaired.stuck.contains(&i), is_stuck);
             prop_assert!(is_stuck || is_candidate || !case.collides[i]);
-            // Every motion that does not fit is told, but those to and from what is stuck, which need not be.
+            // Every motion that does not fit is reported, but those to and from what is stuck, which need not be.
             if i + 1 < case.waypoints.len() {
                 let next_stuck = case.collides[i + 1] && case.candidates[i + 1].is_empty();
                 let fits = case.fits(&now, &repaired.waypoints[i + 1]);
@@ -181,7 +181,7 @@ fn a_motion_that_collides_moves_its_ends() {
     let fits = |_: usize, from: &[f64; 1], to: &[f64; 1]| (from[0] - to[0]).abs() < 2.5;
     let repaired = repair(&waypoints, &found, &candidates, &fits, &RepairOptions::default()).unwrap();
     assert_eq!((repaired.waypoints, repaired.splits), (vec![[0.0], [2.0], [4.0], [5.0]], vec![]));
-    // What is stuck stays and is told; what is not finite is no candidate.
+    // What is stuck stays and is reported; what is not finite is no candidate.
     let found = Verification { waypoints: vec![1], motions: vec![] };
     let none = |_: usize| vec![[f64::NAN]];
     let repaired = repair(&waypoints, &found, &none, &fits, &RepairOptions::default()).unwrap();

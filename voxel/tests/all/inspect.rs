@@ -500,10 +500,10 @@ proptest! {
             _ => [c, a, b],
         }).collect();
         let after = report(&(moved, shuffled));
-        let told = |report: &MeshReport| {
+        let reported = |report: &MeshReport| {
             (report.is_sound(), report.orientation, report.components, report.cavities, report.euler, report.vertices)
         };
-        prop_assert_eq!(told(&after), told(&before));
+        prop_assert_eq!(reported(&after), reported(&before));
         // What rounding to the grid around the shifted mesh may cost.
         let rounding = 1e-13 * (1.0 + 50.0 / scale);
         prop_assert!((after.signed_volume_mm3 / scale.powi(3) / before.signed_volume_mm3 - 1.0).abs() < rounding);
@@ -585,8 +585,8 @@ fn the_models_are_as_their_manifest_says() {
         let name = model["file"].as_str().unwrap();
         let found = report(&read_stl(&folder.join(name)));
         let number = |key: &str| model[key].as_i64().unwrap();
-        let told = [found.triangles, found.vertices, found.components, found.cavities].map(|n| n as i64);
-        assert_eq!(told, ["triangles", "vertices", "components", "cavities"].map(number), "{name}\n{found}");
+        let reported = [found.triangles, found.vertices, found.components, found.cavities].map(|n| n as i64);
+        assert_eq!(reported, ["triangles", "vertices", "components", "cavities"].map(number), "{name}\n{found}");
         assert_eq!(found.euler, number("euler"), "{name}");
         assert_eq!(found.crossings.count as i64, number("self_intersecting_faces"), "{name}\n{found}");
         assert!(found.is_sound(), "{name}\n{found}");

@@ -78,7 +78,7 @@ fn unsupported_beads_are_reported_and_options_decide_the_status() {
     };
     let words = "unsupported beads";
     let lenient = ["--allow-unsupported", "1", "--allow-unsupported-beads", "1000"];
-    let (status, stderr, _, out) = printed("told", &lenient);
+    let (status, stderr, _, out) = printed("reported", &lenient);
     assert!(status == Some(0) && stderr.contains(&format!("warning: {words}")), "{stderr}");
     // Its share stands beside what is said of the checks. What is tried already is no advice.
     let share = summary(&out)["unsupported_share"].as_f64().unwrap();

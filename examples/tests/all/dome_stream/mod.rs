@@ -114,7 +114,7 @@ fn a_print_can_be_paused_and_raised() {
         // Steps: pause after 50 messages, resume once the controller obeys, and raise the nozzle.
         let mut step = 0;
         let mut numbered_when_raised = 0;
-        let told = |progress: &LinkProgress| match step {
+        let reported = |progress: &LinkProgress| match step {
             0 if progress.done > 50 => {
                 send.send(Command::Pause).unwrap();
                 step = 1;
@@ -127,7 +127,7 @@ fn a_print_can_be_paused_and_raised() {
             }
             _ => {}
         };
-        stream(&address, all.iter().map(|message| Ok(*message)), options(), &commands, &SystemClock::start(), told)
+        stream(&address, all.iter().map(|message| Ok(*message)), options(), &commands, &SystemClock::start(), reported)
             .unwrap();
         let controller = controller.join().unwrap();
         assert_eq!(controller.holds, [true, false], "{seed}");

@@ -218,7 +218,7 @@ pub(super) fn cheapest_group(front: &mut Front, offsets: &[[i32; 3]]) -> Result<
 }
 
 /// Sorts `part` along its longest principal axis and returns where to cut it: between the cells on either side of
-/// the mean. Cells are told apart by their numbers, so the order is the same each time.
+/// the mean. Cells are distinguished by their numbers, so the order is the same each time.
 fn split(front: &Front, part: &mut [u32]) -> usize {
     let points: Vec<_> = part.iter().map(|&cell| Vector3::from(front.centre(cell).map(f64::from))).collect();
     let mean = points.iter().sum::<Vector3<f64>>() / points.len() as f64;

@@ -1,4 +1,4 @@
-//! Field-governed growth as it is printed, to compare with: Algorithm 5 with Algorithm 2 or 3 inside.
+//! For reproducing Dai (2020), Algorithm 5 with Algorithm 2 or 3 inside, as printed; prints use [`grow`](super::grow()).
 //!
 //! Dai 2020, sections 3.4.3 and 3.4.4. Unlike [`grow`](super::grow()),
 //! * a candidate is a neighbour of the *last* layer: one that is held back gets lost from sight when the front moves on,

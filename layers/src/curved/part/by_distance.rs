@@ -22,6 +22,65 @@ use crate::curved::surface::{LayerField, UniformError, UniformField, UniformMeth
 /// Rounds of support at most. Each solves field and reach anew, several times; what two do not carry are pits that no column gets to.
 const SUPPORT_ROUNDS: u32 = 2;
 
+/// Finds orders of one kind, of the cells of a part with any support.
+struct Grower<'a> {
+    part: &'a Workpiece<'a>,
+    layers_by: LayersBy,
+    options: &'a LayerOptions,
+    /// Cells of the part that touch what it stands on, and those that hold support: there orders begin.
+    touching: Vec<u32>,
+    held: &'a [u32],
+    progress: ProgressFn<'a>,
+}
+
+impl Grower<'_> {
+    /// The order that the nozzle reaches along the field.
+    fn along_field(&self, cells: &Cells) -> Result<DistanceOrder, GrowthError> {
+        let Workpiece { platform, rules, cell_mm, guides, .. } = self.part;
+        let LayerOptions { rule, directed, .. } = self.options;
+        // Support stands wherever it stands.
+        let is_part = |&cell: &u32| self.part.cells.contains(cells.position(cell));
+        let begins = |cell: &u32| [&self.touching[..], self.held].iter().any(|list| list.binary_search(cell).is_ok());
+        let is_base = |cell: &u32| !is_part(cell) || begins(cell);
+        let base: Vec<u32> = carried(cells, platform, rules).into_iter().filter(is_base).collect();
+        let (base, progress) = (Some(&base[..]), self.progress);
+        match (self.layers_by, guides.heights) {
+            (LayersBy::Directed, _) => {
+                grow_directed(cells, *cell_mm, platform, rules, base, rule, guides.directions, directed, progress)
+            }
+            (_, Some(heights)) => grow_by_heights(cells, *cell_mm, platform, rules, base, rule, heights, progress),
+            (_, None) => grow_by_distance(cells, *cell_mm, platform, rules, base, rule, progress),
+        }
+    }
+
+    /// That order, and after it what the nozzle reaches besides.
+    fn grow(&self, cells: &Cells) -> Result<(Growth, LayerField), GrowthError> {
+        let DistanceOrder { growth, field, .. } = self.along_field(cells)?;
+        if growth.missed.is_empty() || self.options.nozzle == NozzleUse::Off {
+            return Ok((growth, field));
+        }
+        let Workpiece { platform, rules, cell_mm, .. } = self.part;
+        Ok((grow_with_nozzle(cells, *cell_mm, platform, rules, &self.options.rule, growth, self.progress)?, field))
+    }
+
+    /// Support for what an order misses, and for cells that were given; the field changes with it. `Err` says why there is none.
+    fn support(&self, growth: &Growth) -> Result<Result<(Supported, LayerField), NoSupport>, LayersError> {
+        let Workpiece { cells, platform, rules, .. } = self.part;
+        let Some(options) = &self.options.support else { return Ok(Err(NoSupport::Forbidden)) };
+        begin("support", self.progress)?;
+        let options = SupportOptions { rounds: options.rounds.min(SUPPORT_ROUNDS), ..*options };
+        let grow = |cells: &Cells| Ok(self.grow(cells)?.0);
+        let found = add_support(cells, platform, rules, growth, self.held, &options, &grow, self.progress)?;
+        let mut found = match found {
+            Ok(found) => found,
+            Err(why) => return Ok(Err(why)),
+        };
+        let field = regrown(&mut found, cells, &|cells: &Cells| self.grow(cells))?;
+        let is_better = found.growth.missed.len() < missed_bound(growth.missed.len(), self.held);
+        Ok(if is_better { Ok((found, field)) } else { Err(NoSupport::NoHelp) })
+    }
+}
+
 impl Workpiece<'_> {
     /// The order by distance, or the directed one, and its audit.
     pub(crate) fn order_by_distance(
@@ -30,58 +89,19 @@ impl Workpiece<'_> {
         options: &LayerOptions,
         progress: ProgressFn,
     ) -> Result<PartOrder, LayersError> {
-        let Workpiece { platform, rules, cell_mm, .. } = *self;
         let touching = self.touching(self.height_mm(options), progress)?;
-        // Cells of the part that hold support on the plate begin there as well.
-        let given = if options.support.is_some() { self.guides.support } else { &[] };
-        let ordered = |cells: &Cells| {
-            // Support stands wherever it stands.
-            let is_part = |&cell: &u32| self.cells.contains(cells.position(cell));
-            let is_base =
-                |cell: &u32| !is_part(cell) || [&touching, given].iter().any(|list| list.binary_search(cell).is_ok());
-            let base: Vec<u32> = carried(cells, platform, &rules).into_iter().filter(is_base).collect();
-            match layers_by {
-                LayersBy::Directed => {
-                    let LayerOptions { rule, directed, .. } = options;
-                    let given = self.guides.directions;
-                    grow_directed(cells, cell_mm, platform, &rules, Some(&base), rule, given, directed, progress)
-                }
-                _ => match self.guides.heights {
-                    Some(heights) => {
-                        grow_by_heights(cells, cell_mm, platform, &rules, Some(&base), &options.rule, heights, progress)
-                    }
-                    None => grow_by_distance(cells, cell_mm, platform, &rules, Some(&base), &options.rule, progress),
-                },
-            }
-        };
-        let grow_in = |cells: &Cells| -> Result<(Growth, LayerField), GrowthError> {
-            let DistanceOrder { growth, field, .. } = ordered(cells)?;
-            if growth.missed.is_empty() || options.nozzle == NozzleUse::Off {
-                return Ok((growth, field));
-            }
-            Ok((grow_with_nozzle(cells, cell_mm, platform, &rules, &options.rule, growth, progress)?, field))
-        };
-        let grow = |cells: &Cells| Ok(grow_in(cells)?.0);
+        let held = if options.support.is_some() { self.guides.support } else { &[] };
+        let grower = Grower { part: self, layers_by, options, touching, held, progress };
         begin("distance", progress)?;
-        let (growth, mut distances) = grow_in(&self.cells)?;
+        let (growth, mut distances) = grower.grow(&self.cells)?;
         let (mut supported, mut no_support) = (None, None);
-        if !growth.missed.is_empty() || !given.is_empty() {
-            no_support = Some(NoSupport::Forbidden).filter(|_| !growth.missed.is_empty());
-            if let Some(options) = &options.support {
-                begin("support", progress)?;
-                let options = SupportOptions { rounds: options.rounds.min(SUPPORT_ROUNDS), ..*options };
-                match add_support(&self.cells, platform, &rules, &growth, given, &options, &grow, progress)? {
-                    Ok(found) => (supported, no_support) = (Some(found), None),
-                    Err(why) => no_support = Some(why),
+        if !growth.missed.is_empty() || !held.is_empty() {
+            match grower.support(&growth)? {
+                Ok((found, field)) => (supported, distances) = (Some(found), field),
+                // Without support nothing is wrong where nothing is missed.
+                Err(why) => {
+                    no_support = Some(why).filter(|&why| why != NoSupport::Forbidden || !growth.missed.is_empty())
                 }
-            }
-        }
-        if let Some(mut found) = supported.take() {
-            let field = regrown(&mut found, &self.cells, &grow_in)?;
-            if found.growth.missed.len() < missed_bound(growth.missed.len(), given) {
-                (supported, distances) = (Some(found), field);
-            } else {
-                no_support = Some(NoSupport::NoHelp);
             }
         }
         let mut order = PartOrder {

@@ -178,7 +178,7 @@ pub enum OtherCells {
     },
 }
 
-/// A number that tells meshes apart: any change of a coordinate, a triangle or their order changes it (64-bit FNV-1a;
+/// A number that identifies a mesh: any change of a coordinate, a triangle or their order changes it (64-bit FNV-1a;
 /// G. Fowler, L. C. Noll, K.-P. Vo). Not made to withstand forgers.
 ///
 /// # Example
@@ -400,7 +400,7 @@ fn three<T: std::str::FromStr>(text: &str) -> Option<[T; 3]> {
     parts.next().is_none().then_some(three)
 }
 
-/// The lines of a source, told by their numbers.
+/// The lines of a source, known by their numbers.
 struct Lines<R> {
     source: R,
     line: usize,

@@ -38,7 +38,7 @@ pub struct VolumeOptions {
     pub min_feature_mm: f64,
     /// How far a section may pass the supported area before that counts, for rounding and the chords of arcs (default 0.05 mm).
     pub tolerance_mm: f64,
-    /// The most parts; then the rest is told as it is (default 64).
+    /// The most parts; then the rest is reported as it is (default 64).
     pub max_parts: usize,
     /// The direction of the first part.
     pub base: BaseChoice,

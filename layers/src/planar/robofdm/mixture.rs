@@ -5,6 +5,9 @@
 
 use super::RoboFdmError;
 
+#[cfg(test)]
+mod tests;
+
 /// Smallest standard deviation of a component over the range of all samples: a component on equal samples would have an infinite
 /// density otherwise.
 const MIN_DEVIATION: f64 = 1e-3;
@@ -42,14 +45,6 @@ impl GaussianMixture {
     ///
     /// # Cost
     /// `O(count)` for each sample and round, at most 500 rounds.
-    ///
-    /// # Example
-    /// ```
-    /// use curvlay_layers::planar::robofdm::GaussianMixture;
-    /// let mixture = GaussianMixture::fit(&[1.0, 1.1, 0.9, 5.0, 5.2, 4.8], &[1.0; 6], 2)?;
-    /// assert!((mixture.means[0] - 1.0).abs() < 1e-6 && (mixture.means[1] - 5.0).abs() < 1e-6);
-    /// # Ok::<(), curvlay_layers::planar::robofdm::RoboFdmError>(())
-    /// ```
     pub fn fit(samples: &[f64], weights: &[f64], count: usize) -> Result<Self, RoboFdmError> {
         if count == 0 || count > samples.len() {
             return Err(RoboFdmError::Option { name: "clusters", value: count as f64 });

@@ -149,53 +149,9 @@ impl Surface {
         mut pieces: Pieces,
         options: &TuningOptions,
     ) -> Vec<(f64, f64)> {
-        let spacing = options.spacing;
-        let heights: Vec<f64> = self.places.iter().map(|p| p.coords.dot(normal)).collect();
-        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let count = ((high - low) / spacing) as usize;
-        let offset = |l: usize| low + (l as f64 + 0.5) * spacing;
-        // How many planes are below each vertex.
-        let levels: Vec<u32> = heights
-            .iter()
-            .map(|h| {
-                let above = (h - low) / spacing - 0.5;
-                // Casts round towards zero; a plane through the vertex is not below it.
-                let whole = above.max(0.0) as u32;
-                (whole + u32::from(f64::from(whole) < above)).min(count as u32)
-            })
-            .collect();
-        let by_level = Buckets::new(count + 1, levels.iter().copied());
-        // When the sweep comes to each vertex, and never to the one that is not there.
-        let mut turns = vec![u32::MAX; heights.len() + 1];
-        let swept = (0..=count).rev().flat_map(|level| by_level.of(level));
-        (0..).zip(swept).for_each(|(turn, &v)| turns[v as usize] = turn);
-        // Facets by the planes that their lowest and highest corners lie above.
-        let mut whole_at = vec![Vec::new(); count + 1];
-        let mut crossed_at = vec![Vec::new(); count + 1];
-        for &(facet, saved) in saving {
-            let corners = self.facets[facet as usize].corners;
-            let of = corners.map(|v| levels[v as usize]);
-            let (lowest, highest) = (of[0].min(of[1]).min(of[2]), of[0].max(of[1]).max(of[2]));
-            whole_at[lowest as usize].push((corners[0], saved));
-            if lowest < highest {
-                let mut h = corners.map(|v| heights[v as usize]);
-                let top = corners[(0..3).fold(0, |best, k| if h[k] > h[best] { k } else { best })];
-                h.sort_by(f64::total_cmp);
-                (lowest..highest).for_each(|l| crossed_at[l as usize].push((top, saved, h)));
-            }
-        }
-        let barring: Vec<(&[u32], [f64; 2])> = self
-            .sections
-            .iter()
-            .filter(|(is_earlier, _)| *is_earlier || options.keep_sections_apart)
-            .map(|(_, vertices)| {
-                let of = vertices.iter().map(|&v| heights[v as usize]);
-                let range = of.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)]);
-                (vertices.as_slice(), range)
-            })
-            .collect();
-
+        let events = Events::new(self, normal, saving, options.spacing);
+        let Events { heights, by_level, turns, .. } = &events;
+        let barring = self.barring(heights, options);
         // Where nothing is left that stands there is no cut.
         let stands_to = self.supports.iter().map(|&v| heights[v as usize]).fold(f64::INFINITY, f64::min);
         let mut gains = Vec::new();
@@ -203,7 +159,8 @@ impl Surface {
         // What facets that a plane crosses add to the piece of a root, and at which plane it is barred.
         let mut partly = vec![0.0; heights.len()];
         let mut barred_at = vec![u32::MAX; heights.len()];
-        for l in (0..count).rev().take_while(|&l| offset(l) > stands_to) {
+        for l in (0..events.count).rev().take_while(|&l| events.offset(l) > stands_to) {
+            let offset = events.offset(l);
             // Above plane l is what lies above plane l + 1, and what has l + 1 planes below.
             for &v in by_level.of(l + 1) {
                 // Neighbours from before that follow each other are joined by then, for they share an edge: one of them is enough.
@@ -214,16 +171,16 @@ impl Surface {
             }
             roots.extend(by_level.of(l + 1));
             roots.retain(|&v| pieces.sets.is_root(v));
-            for &(v, saved) in &whole_at[l + 1] {
+            for &(v, saved) in &events.whole_at[l + 1] {
                 let root = pieces.sets.root(v);
                 pieces.saved[root as usize] += saved;
             }
-            for &(v, saved, h) in &crossed_at[l] {
-                partly[pieces.sets.root(v) as usize] += saved * (1.0 - share_below(h, offset(l)));
+            for &(v, saved, h) in &events.crossed_at[l] {
+                partly[pieces.sets.root(v) as usize] += saved * (1.0 - share_below(h, offset));
             }
             // Pieces with a section that the plane cuts stay.
-            for (vertices, _) in barring.iter().filter(|(_, range)| range[0] < offset(l) && range[1] > offset(l)) {
-                for &v in vertices.iter().filter(|&&v| heights[v as usize] > offset(l)) {
+            for (vertices, _) in barring.iter().filter(|(_, range)| range[0] < offset && range[1] > offset) {
+                for &v in vertices.iter().filter(|&&v| heights[v as usize] > offset) {
                     barred_at[pieces.sets.root(v) as usize] = l as u32;
                 }
             }
@@ -235,9 +192,76 @@ impl Surface {
                     gain += saved;
                 }
             }
-            gains.push((gain, offset(l)));
+            gains.push((gain, offset));
         }
         gains
+    }
+
+    /// Sections that no plane may cut, by their vertices, and from where to where they reach.
+    fn barring(&self, heights: &[f64], options: &TuningOptions) -> Vec<(&[u32], [f64; 2])> {
+        let sections = self.sections.iter().filter(|(is_earlier, _)| *is_earlier || options.keep_sections_apart);
+        let with_range = |(_, vertices): &'_ (bool, Vec<u32>)| {
+            let of = vertices.iter().map(|&v| heights[v as usize]);
+            of.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
+        };
+        sections.map(|section| (section.1.as_slice(), with_range(section))).collect()
+    }
+}
+
+/// What a plane meets that sinks along its normal, plane by plane: they lie a spacing apart, the lowest half of one above the lowest vertex.
+struct Events {
+    low: f64,
+    spacing: f64,
+    /// How many planes there are.
+    count: usize,
+    /// Heights of the vertices.
+    heights: Vec<f64>,
+    /// Vertices by the number of planes below them.
+    by_level: Buckets,
+    /// When the sweep comes to each vertex, and never to the one that is not there.
+    turns: Vec<u32>,
+    /// A corner of each facet and what it saves, by the number of planes below all of it.
+    whole_at: Vec<Vec<(u32, f64)>>,
+    /// The highest corner of each facet, what it saves, and the heights of its corners, by the planes that cross it.
+    crossed_at: Vec<Vec<(u32, f64, [f64; 3])>>,
+}
+
+impl Events {
+    fn new(surface: &Surface, normal: &Vector3<f64>, saving: &[(u32, f64)], spacing: f64) -> Self {
+        let heights: Vec<f64> = surface.places.iter().map(|p| p.coords.dot(normal)).collect();
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let count = ((high - low) / spacing) as usize;
+        let level = |h: &f64| {
+            let above = (h - low) / spacing - 0.5;
+            // Casts round towards zero; a plane through the vertex is not below it.
+            let whole = above.max(0.0) as u32;
+            (whole + u32::from(f64::from(whole) < above)).min(count as u32)
+        };
+        let levels: Vec<u32> = heights.iter().map(level).collect();
+        let by_level = Buckets::new(count + 1, levels.iter().copied());
+        let mut turns = vec![u32::MAX; heights.len() + 1];
+        let swept = (0..=count).rev().flat_map(|level| by_level.of(level));
+        (0..).zip(swept).for_each(|(turn, &v)| turns[v as usize] = turn);
+        let (mut whole_at, mut crossed_at) = (vec![Vec::new(); count + 1], vec![Vec::new(); count + 1]);
+        for &(facet, saved) in saving {
+            let corners = surface.facets[facet as usize].corners;
+            let of = corners.map(|v| levels[v as usize]);
+            let (lowest, highest) = (of[0].min(of[1]).min(of[2]), of[0].max(of[1]).max(of[2]));
+            whole_at[lowest as usize].push((corners[0], saved));
+            if lowest < highest {
+                let mut h = corners.map(|v| heights[v as usize]);
+                let top = corners[(0..3).fold(0, |best, k| if h[k] > h[best] { k } else { best })];
+                h.sort_by(f64::total_cmp);
+                (lowest..highest).for_each(|l| crossed_at[l as usize].push((top, saved, h)));
+            }
+        }
+        Events { low, spacing, count, heights, by_level, turns, whole_at, crossed_at }
+    }
+
+    /// Height of a plane.
+    fn offset(&self, plane: usize) -> f64 {
+        self.low + (plane as f64 + 0.5) * self.spacing
     }
 }
 

@@ -11,8 +11,10 @@
 
 use super::border::{Border, borders};
 use super::closed::ClosedMesh;
+use super::cut::Labelling;
+use super::error::RoboFdmError;
+use super::mixture::GaussianMixture;
 use super::skeleton::{self, CurveSkeleton, SkeletonOptions};
-use super::{GaussianMixture, Labelling, RoboFdmError};
 use nalgebra::Point3;
 
 /// How a mesh is segmented.

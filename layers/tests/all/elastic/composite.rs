@@ -350,7 +350,7 @@ fn what_is_refused() {
         assert_eq!(plies(&cells, 1.0, &Point3::origin(), &[strip, bad]), Err(ElasticError::Strip { strip: 1 }));
     }
     assert_eq!(plies(&cells, 0.0, &Point3::origin(), &[]), Err(ElasticError::Cell { cell_mm: 0.0 }));
-    // A strip beside the part is lost, and told.
+    // A strip beside the part is lost, and reported.
     let far = [Point3::new(50.0, 0.0, 0.0), Point3::new(51.0, 0.0, 0.0)];
     let found = plies(&cells, 1.0, &Point3::origin(), &[Strip { points: &far, ..strip }]).unwrap();
     assert!(found.list.is_empty() && (found.lost_mm3 - found.tape_mm3).abs() < 1e-12);

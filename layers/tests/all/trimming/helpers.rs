@@ -146,13 +146,13 @@ fn edges(triangles: &[[u32; 3]]) -> BTreeSet<[u32; 2]> {
     edges
 }
 
-/// What holds for every trimmed sheet: an oriented manifold, its boundary told in full, and made of the sheet's triangles.
+/// What holds for every trimmed sheet: an oriented manifold, its boundary listed in full, and made of the sheet's triangles.
 pub fn check(sheet: &Mesh, trimmed: &TrimmedSheet) {
     let edges = edges(&trimmed.triangles);
     let open: BTreeSet<_> = edges.iter().copied().filter(|&[a, b]| !edges.contains(&[b, a])).collect();
-    let told: BTreeSet<_> = trimmed.boundary.iter().map(|edge| edge.ends).collect();
-    assert_eq!(told.len(), trimmed.boundary.len());
-    assert_eq!(open, told);
+    let reported: BTreeSet<_> = trimmed.boundary.iter().map(|edge| edge.ends).collect();
+    assert_eq!(reported.len(), trimmed.boundary.len());
+    assert_eq!(open, reported);
     // One fan a vertex: going round the triangles of a vertex visits them all.
     let mut around: Vec<BTreeMap<u32, u32>> = vec![BTreeMap::new(); trimmed.vertices.len()];
     for t in &trimmed.triangles {
@@ -199,10 +199,10 @@ pub fn check(sheet: &Mesh, trimmed: &TrimmedSheet) {
             .map(|edge| (trimmed.vertices[edge.ends[1] as usize] - trimmed.vertices[edge.ends[0] as usize]).norm())
             .sum()
     };
-    let told = [trimmed.mesh_mm, trimmed.border_mm, trimmed.hole_mm];
+    let reported = [trimmed.mesh_mm, trimmed.border_mm, trimmed.hole_mm];
     let found = [BoundaryKind::Mesh, BoundaryKind::Border, BoundaryKind::Hole].map(length);
-    for (told, found) in told.into_iter().zip(found) {
-        assert!((told - found).abs() <= 1e-9 * (1.0 + told));
+    for (reported, found) in reported.into_iter().zip(found) {
+        assert!((reported - found).abs() <= 1e-9 * (1.0 + reported));
     }
 }
 

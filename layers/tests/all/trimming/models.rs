@@ -123,6 +123,6 @@ fn a_model_with_a_hole() {
         }
     }
     println!("boundary over the hole: {hole_mm} mm");
-    // Next to the rim the number is not to be told by an edge of a millimetre.
+    // Next to the rim the number cannot be decided by an edge of a millimetre.
     assert!(off_mm <= 0.15 * hole_mm && hole_mm > 30.0, "{off_mm} of {hole_mm} mm");
 }

@@ -1,4 +1,6 @@
-use curvlay_layers::planar::robofdm::{FlowNetwork, Labelling};
+//! Cuts and labels against all that there are.
+
+use super::{FlowNetwork, Labelling};
 use proptest::prelude::*;
 
 /// Least capacity of all cuts between the first and the last node, by trying them all.

@@ -1,4 +1,7 @@
-use curvlay_layers::planar::robofdm::{GaussianMixture, RoboFdmError};
+//! Mixtures against their definition and shapes that are known.
+
+use super::GaussianMixture;
+use crate::planar::robofdm::RoboFdmError;
 use proptest::prelude::*;
 
 /// The mean log-likelihood, by the definition.
