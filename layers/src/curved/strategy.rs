@@ -62,7 +62,8 @@ impl Strategy {
     /// ```
     /// use curvlay_layers::cells::Cells;
     /// use curvlay_layers::curved::{Platform, Rules, Strategy};
-    ///     /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
+    /// use std::ops::ControlFlow;
+    /// let cells = Cells::new([1, 1, 3], &[1; 3])?;
     /// let platform = Platform::under(&cells, 10.0)?;
     /// let growth = Strategy::Greedy.grow(&cells, &platform, &Rules::default(), &|_| ControlFlow::Continue(()))?;
     /// assert_eq!(growth.order.len(), 3);
