@@ -3,7 +3,7 @@
 //! C. Wu, C. Dai, G. Fang, Y.-J. Liu and C. C. L. Wang, "RoboFDM: a robotic system for support-free fabrication using FDM", ICRA 2017; here
 //! after C. Dai, *Material Deposition in 3D Space* (dissertation, TU Delft 2020), section 2.4.
 //!
-//! * Phase I: [`segment`] (with [`curve_skeleton`], [`GaussianMixture`] and [`Labelling`]).
+//! * Phase I: [`segment`] (with [`curve_skeleton`], Gaussian mixtures and graph cuts).
 //! * Phase II: [`plan_sequence`].
 //! * Phase III: [`tune`], into closed meshes.
 //! * [`beam_search`] takes the place of the third phase, and needs no other one.
