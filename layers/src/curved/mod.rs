@@ -18,7 +18,6 @@
 
 mod audit;
 mod buildable;
-
 mod distance;
 mod growth;
 mod impossible;
