@@ -4,7 +4,7 @@ use crate::estimate::{self, Memory};
 use crate::failure;
 use crate::guide::{GivenDirections, Guide};
 use crate::mould::{Mould, Standing};
-use crate::order::{Ordered, Times};
+use crate::order::Ordered;
 use crate::surfaces::{self, SurfaceOptions, SurfacesRun};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
@@ -139,6 +139,38 @@ pub struct Given<'a> {
     pub saved: Option<SavedField>,
     /// Places on the plate where beads of an earlier try were unsupported.
     pub bare: &'a [Point3<f64>],
+}
+
+/// How long the steps took.
+pub struct Times {
+    pub inspect: Duration,
+    pub voxelise: Duration,
+    pub peel: Duration,
+    /// Peeling included, and a second strategy if it was tried.
+    pub grow: Duration,
+    pub audit: Duration,
+    /// Of the proofs that missed cells are impossible, and of their check.
+    pub prove: Duration,
+    pub check_proofs: Duration,
+    /// All of these, and the surfaces: those of the order that was not taken as well.
+    pub total: Duration,
+}
+
+impl Times {
+    /// The times of a run whose stages a clock has noted.
+    fn of(clock: &StageClock, inspect: Duration, voxelise: Duration) -> Self {
+        let [peel, grow, audit, prove, check_proofs, surfaces] = [
+            &["peel"][..],
+            &["grow", "distance", "peel", "unbuild", "nozzle", "support"],
+            &["audit"],
+            &["impossible"],
+            &["check"],
+            &["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"],
+        ]
+        .map(|stages| clock.on_the_clock(stages));
+        let total = inspect + voxelise + grow + audit + prove + check_proofs + surfaces;
+        Times { inspect, voxelise, peel, grow, audit, prove, check_proofs, total }
+    }
 }
 
 /// Runs `work` and says how long it took.

@@ -9,39 +9,6 @@ use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{
     AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, SupportCells, Workpiece, audit_with_nozzle,
 };
-use std::time::Duration;
-
-/// How long the steps took.
-pub struct Times {
-    pub inspect: Duration,
-    pub voxelise: Duration,
-    pub peel: Duration,
-    /// Peeling included, and a second strategy if it was tried.
-    pub grow: Duration,
-    pub audit: Duration,
-    /// Of the proofs that missed cells are impossible, and of their check.
-    pub prove: Duration,
-    pub check_proofs: Duration,
-    /// All of these, and the surfaces: those of the order that was not taken as well.
-    pub total: Duration,
-}
-
-impl Times {
-    /// The times of a run whose stages a clock has noted.
-    pub fn of(clock: &StageClock, inspect: Duration, voxelise: Duration) -> Self {
-        let [peel, grow, audit, prove, check_proofs, surfaces] = [
-            &["peel"][..],
-            &["grow", "distance", "peel", "unbuild", "nozzle", "support"],
-            &["audit"],
-            &["impossible"],
-            &["check"],
-            &["uniform", "audit uniform", "coherent", "contour", "trim", "spacing"],
-        ]
-        .map(|stages| clock.on_the_clock(stages));
-        let total = inspect + voxelise + grow + audit + prove + check_proofs + surfaces;
-        Times { inspect, voxelise, peel, grow, audit, prove, check_proofs, total }
-    }
-}
 
 /// An order of the cells.
 pub struct Ordered {
