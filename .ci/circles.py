@@ -75,7 +75,7 @@ class Crate:
     def file_of(self, module, path, seen=()):
         """The module whose file defines what a path means, or None for what is outside of the crate."""
         at = module
-        if (at, path) in seen:
+        if (at, path) in seen or len(seen) > 50:  # a name that leads to itself
             return None
         seen += ((at, path),)
         for index, part in enumerate(path):

@@ -157,7 +157,7 @@ fn without_a_file_the_shape_is_loaded() {
 }
 
 #[test]
-fn coordinates_that_are_too_coarse_for_the_cells_are_told() {
+fn coordinates_that_are_too_coarse_for_the_cells_are_reported() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("far.obj");
     fs::write(
         &path,
@@ -174,7 +174,7 @@ fn coordinates_that_are_too_coarse_for_the_cells_are_told() {
 }
 
 #[test]
-fn facets_that_look_the_wrong_way_are_told() {
+fn facets_that_look_the_wrong_way_are_reported() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mixed.obj");
     fs::write(&path, "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n").unwrap();
     let part = parse(&format!("--mesh {}", path.display())).unwrap().mesh.load("jug", jug).unwrap();

@@ -120,7 +120,7 @@ fn arguments_out_of_range_are_refused() {
 }
 
 #[test]
-fn what_has_no_volume_is_told() {
+fn what_has_no_volume_is_reported() {
     let place = common::place("best_orientation", "meshes");
     fs::create_dir_all(&place).unwrap();
     let path = place.join("flat.obj");

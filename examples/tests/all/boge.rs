@@ -200,7 +200,7 @@ fn a_grid_of_the_user_s_own_is_grown() {
 }
 
 #[test]
-fn missed_cells_of_a_grid_are_told_and_decide() {
+fn missed_cells_of_a_grid_are_reported_and_decide() {
     // An arch whose left leg ends one cell above the platform: on the floor it comes too late.
     let hook = include_str!("../../boge_objects/object1_S.txt");
     let (outcome, summary, path) = own("floor", hook, Hardware::Fixed, 0.0);

@@ -306,7 +306,7 @@ fn a_concave_mesh_is_what_it_is() {
 }
 
 #[test]
-fn bad_files_are_told() {
+fn bad_files_are_reported() {
     let entities = |text: &str| {
         let text = format!("0 SECTION 2 ENTITIES {text} 0 ENDSEC 0 EOF");
         text.split_whitespace().map(|word| word.to_owned() + "\n").collect::<String>()

@@ -324,7 +324,7 @@ fn a_file_is_split_at_its_defects() {
 }
 
 #[test]
-fn bad_files_are_told() {
+fn bad_files_are_reported() {
     fs::create_dir_all(place("files")).unwrap();
     let line = |x: f64| format!("{x} 0 0 0 0 1\n");
     let few: String = (0..4).map(|k| line(f64::from(k))).collect();

@@ -65,7 +65,7 @@ fn ascii_stl() -> String {
 }
 
 #[test]
-fn stl_is_told_by_its_length_and_welded() {
+fn stl_is_known_by_its_length_and_welded() {
     assert_eq!(read("binary.stl", tetrahedron_stl("made here")).unwrap(), tetrahedron());
     assert_eq!(read("solid.STL", tetrahedron_stl("solid binary")).unwrap(), tetrahedron());
     assert_eq!(read("ascii.stl", ascii_stl()).unwrap(), tetrahedron());

@@ -93,7 +93,7 @@ fn clearing_takes_away_what_is_ours_alone() {
 
 /// One list of findings makes notices, keys of the summary and the exit status.
 #[test]
-fn findings_are_told_in_every_place() {
+fn findings_are_reported_in_every_place() {
     let mut findings = Findings::default();
     assert!(!findings.has_failed() && findings.outcome() == Outcome::Done);
     findings.add(Severity::above(0.001, 0.001), "walls < a cell", "0.1 %", "near x 1");

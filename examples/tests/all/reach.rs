@@ -105,7 +105,7 @@ fn arguments_out_of_range_are_refused() {
 
 /// Too few samples for any frame in front: reported, and nothing is left behind.
 #[test]
-fn no_frame_at_all_is_told() {
+fn no_frame_at_all_is_reported() {
     let (path, folder) = (common::place("reach", "nothing"), common::folder("reach", "nothing"));
     let args = arguments(&[&["--samples", "1", "--front", "5000"], &COARSE[..]].concat()).unwrap();
     let failure = example::work(&args, &Bars::new(true), &folder).map(|_| ()).unwrap_err();

@@ -45,7 +45,7 @@ fn png_gives_back_every_pixel() {
 }
 
 #[test]
-fn layers_can_be_told_apart() {
+fn layers_can_be_distinguished() {
     for layers in [1, 2, 10, 48] {
         for layer in 1..layers {
             assert_ne!(layer_colour(layer, layers), layer_colour(layer + 1, layers), "{layer} of {layers}");

@@ -264,7 +264,7 @@ fn one_part_is_one_part() {
 }
 
 #[test]
-fn bad_input_is_told_and_leaves_nothing() {
+fn bad_input_is_reported_and_leaves_nothing() {
     let open = obj("open.obj", &shapes::ell(), 20);
     let ell = obj("ell.obj", &shapes::ell(), usize::MAX);
     let (open, ell) = (open.to_str().unwrap(), ell.to_str().unwrap());

@@ -73,7 +73,7 @@ fn waypoints_come_from_a_file() {
 }
 
 #[test]
-fn bad_files_are_told() {
+fn bad_files_are_reported() {
     fs::create_dir_all(place("files")).unwrap();
     for (name, text, reported) in [
         ("empty", "", "there are no waypoints in it"),

@@ -234,7 +234,7 @@ fn scaled(mesh: &curvlay_examples::mesh::Mesh, by: f64) -> curvlay_examples::mes
 }
 
 #[test]
-fn a_blocked_torch_is_told_with_its_limit() {
+fn a_blocked_torch_is_reported_with_its_limit() {
     let shelf = obj("shelf.obj", &low_shelf(), usize::MAX);
     let words = ["--mesh", shelf.to_str().unwrap(), "--layer", "2", "--torch", "40", "--stand-off", "2"];
     let (path, outcome) = run("blocked", &words).unwrap();
@@ -249,7 +249,7 @@ fn a_blocked_torch_is_told_with_its_limit() {
 }
 
 #[test]
-fn bad_input_is_told_and_leaves_nothing() {
+fn bad_input_is_reported_and_leaves_nothing() {
     let open = obj("open.obj", &shapes::ell(), 20);
     for (name, words, reported) in [
         ("open", vec!["--mesh", open.to_str().unwrap()], "the mesh is open"),

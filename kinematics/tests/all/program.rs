@@ -300,7 +300,7 @@ proptest! {
 
     /// A byte changed, a piece cut out: an error or other steps, never a panic.
     #[test]
-    fn damaged_files_are_told(
+    fn damaged_files_are_reported(
         steps in steps(false, false), at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in 0..40usize,
     ) {
         let (files, _) = to_rapid(steps.iter().copied(), &rig()).unwrap();
@@ -422,7 +422,7 @@ fn a_hundred_thousand_targets_stay_small() {
 }
 
 #[test]
-fn a_part_that_vanished_is_told() {
+fn a_part_that_vanished_is_reported() {
     let options = RapidOptions { moves_per_module: 1, ..RapidOptions::default() };
     let (mut files, _) = to_rapid([line(0.0, 0.0, 5.0, Zone::Stop); 3], &options).unwrap();
     let whole = files.clone();

@@ -278,7 +278,7 @@ fn the_measure_is_the_least_change_of_the_legs() {
 }
 
 #[test]
-fn limits_and_cones_are_told() {
+fn limits_and_cones_are_reported() {
     let home = at(0.0, 0.0, 350.0, [0.0; 3]);
     let model = StewartModel { shortest: [350.0; 6], longest: [500.0; 6], ..hexagon() }.with_cones_at(&home, 0.4, 0.5);
     let table = stewart(&model);
@@ -312,7 +312,7 @@ fn slow_gap(a: [Vector3<f64>; 2], b: [Vector3<f64>; 2]) -> f64 {
 }
 
 #[test]
-fn legs_that_touch_are_told() {
+fn legs_that_touch_are_reported() {
     let thick = StewartModel { leg_radius: 25.0, ..hexagon() };
     let (table, lines) = (stewart(&thick), stewart(&hexagon()));
     assert_eq!(table.fault(&at(0.0, 0.0, 350.0, [0.0; 3])), None);
@@ -372,7 +372,7 @@ fn paths_are_checked_pose_by_pose() {
 }
 
 #[test]
-fn legs_that_no_pose_has_are_told() {
+fn legs_that_no_pose_has_are_reported() {
     let table = stewart(&hexagon());
     let home = at(0.0, 0.0, 350.0, [0.0; 3]);
     let mut legs = table.legs(&home);

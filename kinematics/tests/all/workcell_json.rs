@@ -138,7 +138,7 @@ fn refused(from: &str, to: &str) -> (usize, String) {
 }
 
 #[test]
-fn what_is_no_file_is_told_with_its_place() {
+fn what_is_no_file_is_reported_with_its_place() {
     let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat\": 1,");
     assert!(line == 18 && what.starts_with("unknown field `tip_flat`, expected one of "), "{line} {what}");
     let (line, what) = refused("\"tip_flat_mm\": 1,", "");
@@ -182,7 +182,7 @@ fn numbers_of_a_file_are_named_by_their_field() {
 }
 
 #[test]
-fn another_version_is_told_before_its_fields() {
+fn another_version_is_reported_before_its_fields() {
     for from in ["\"name\"", "\"held\""] {
         let text = FILES[0].replacen("\"version\": 1", "\"version\": 2", 1).replacen(from, "\"new\"", 1);
         let error = AnyWorkcell::from_json(text.as_bytes()).unwrap_err();

@@ -69,7 +69,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_wrong_is_told_by_its_line() {
+fn what_is_wrong_is_reported_by_its_line() {
     let good = text_of(&saved([3, 1, 1], &[Some(0.5), None, Some(1.5)], 7).unwrap());
     assert!(SavedField::read(good.as_bytes()).is_ok());
     assert!(SavedField::read(good.replace('\n', "\r\n").as_bytes()).is_ok());
@@ -159,7 +159,7 @@ fn a_line_without_end_is_refused() {
 }
 
 #[test]
-fn a_source_that_fails_is_told_by_its_line() {
+fn a_source_that_fails_is_reported_by_its_line() {
     struct Failing;
     impl Read for Failing {
         fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
@@ -172,7 +172,7 @@ fn a_source_that_fails_is_told_by_its_line() {
 }
 
 #[test]
-fn a_changed_mesh_is_told() {
+fn a_changed_mesh_is_reported() {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
     let stamp = mesh_stamp(&points, &[[0, 1, 2]]);
     assert_ne!(stamp, mesh_stamp(&points, &[[0, 2, 1]]));
@@ -183,7 +183,7 @@ fn a_changed_mesh_is_told() {
 }
 
 #[test]
-fn other_cells_are_told() {
+fn other_cells_are_reported() {
     let field = saved([2, 1, 1], &[Some(0.5), Some(1.0)], 0).unwrap();
     let (cells, at) = (field.cells().unwrap(), field.origin);
     assert_eq!(field.check_cells(&cells, at), Ok(()));

@@ -492,7 +492,7 @@ fn poses_that_cannot_be_judged_are_named() {
 }
 
 #[test]
-fn judging_stops_when_it_is_told_to() {
+fn judging_stops_when_it_is_reported_to() {
     let cube = boxes(&[[[0.0; 3], [6.0; 3]]]);
     let all = poses(&cube.0, &cube.1, &options(10)).unwrap();
     for after in [0, 3] {

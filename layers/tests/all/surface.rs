@@ -519,7 +519,7 @@ fn unsound_surfaces_are_refused_and_none_have_no_spacing() {
 }
 
 #[test]
-fn squeezed_area_is_told_whichever_surface_comes_near() {
+fn squeezed_area_is_reported_whichever_surface_comes_near() {
     let level = |z: f64| [[0.0, 0.0, z], [4.0, 0.0, z], [0.0, 4.0, z]].map(Point3::from);
     let points = [level(0.0), level(1.0), level(0.2)]; // the third comes near the first
     let surfaces: Vec<SurfaceSlices> = points.iter().map(|points| (&points[..], &[[0, 1, 2]][..])).collect();

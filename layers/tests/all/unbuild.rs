@@ -126,7 +126,7 @@ fn what_hangs_inside_is_given_up() {
 }
 
 #[test]
-fn a_loose_piece_is_told_apart() {
+fn a_loose_piece_is_distinguished() {
     let part = Part::drawn(&[".#", "..", "#."], [-1.0, 3.0]);
     let growth = part.unbuild(&Rules::default());
     assert_eq!(growth.missed.iter().map(|m| m.reason).collect::<Vec<_>>(), [MissedReason::NeverAdjacent]);

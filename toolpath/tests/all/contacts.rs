@@ -298,7 +298,7 @@ fn a_waypoint_put_between_lays_no_bead() {
 }
 
 #[test]
-fn below_the_plate_the_lowest_point_is_told() {
+fn below_the_plate_the_lowest_point_is_reported() {
     let (layer, paths) = lines(&[4.0]);
     let (layers, moment) = (std::slice::from_ref(&layer), Moment::At { path: 0, waypoint: 0 });
     with_contacts(layers, &paths, &GougingOptions::default(), |contacts| {

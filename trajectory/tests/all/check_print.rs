@@ -402,7 +402,7 @@ fn points_are_met_in_their_order() {
 
 /// There and back on the same line, and beside it: the later leg is not taken for the earlier.
 #[test]
-fn legs_near_each_other_are_told_apart() {
+fn legs_near_each_other_are_distinguished() {
     for beside in [0.0, 0.2] {
         let corners = [[0.0, 0.0], [5.0, 0.0], [5.0, beside], [0.0, beside], [0.0, 2.0 * beside], [5.0, 2.0 * beside]];
         let path: Vec<PathPoint> = corners.iter().map(|&[x, y]| point(x, y)).collect();
@@ -479,7 +479,7 @@ fn gaps_and_overlaps_are_found_at_joins() {
 }
 
 #[test]
-fn contact_is_told_with_depth_and_place() {
+fn contact_is_reported_with_depth_and_place() {
     // A wall from y = 12 on; the deepest place of each print is its end, of the travel its corner.
     let contact = |moment: &Moment, tip: &Point3<f64>, _: &UnitVector3<f64>| {
         assert!(moment.share >= 0.0 && moment.share <= 1.0 && moment.point <= 100);

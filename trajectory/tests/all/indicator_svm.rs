@@ -167,7 +167,7 @@ fn a_small_cache_changes_nothing() {
 }
 
 #[test]
-fn few_steps_are_told() {
+fn few_steps_are_reported() {
     let svm = Svm::train(&fixed_data(), &SvmOptions { max_steps: 5, ..SvmOptions::default() }).unwrap();
     assert!(!svm.training().converged && svm.training().steps == 5 && svm.training().gap > 1e-3);
 }

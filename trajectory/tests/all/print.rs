@@ -458,7 +458,7 @@ fn steps_are_split_where_the_nozzle_gouges_between_two_waypoints() {
 }
 
 #[test]
-fn waypoints_out_of_reach_and_blocked_ones_are_left_out_and_told() {
+fn waypoints_out_of_reach_and_blocked_ones_are_left_out_and_reported() {
     let mut paths = rings();
     let tilted = UnitVector3::new_normalize(Vector3::new(0.3, 0.0, 1.0));
     paths[0].waypoints[20].axis = tilted;
@@ -484,7 +484,7 @@ fn waypoints_out_of_reach_and_blocked_ones_are_left_out_and_told() {
 }
 
 #[test]
-fn transfers_that_are_not_found_are_told_with_the_path_that_they_leave() {
+fn transfers_that_are_not_found_are_reported_with_the_path_that_they_leave() {
     let plan = planned(Wall::Moving, &rings()).unwrap();
     assert_eq!((plan.runs.len(), plan.travels.len(), plan.count(FaultKind::NoTransfer)), (4, 3, 3));
     assert!(plan.travels.iter().all(Option::is_none));
@@ -527,7 +527,7 @@ fn a_joint_that_has_wound_up_is_brought_back_at_lifts() {
 }
 
 #[test]
-fn a_waypoint_on_its_own_is_told() {
+fn a_waypoint_on_its_own_is_reported() {
     let mut paths = [Owned::new(0, circle(40.0, 1.0, 0.5, 0.1))];
     let tilted = UnitVector3::new_normalize(Vector3::new(0.3, 0.0, 1.0));
     [1, 3].into_iter().for_each(|k| paths[0].waypoints[k].axis = tilted);

@@ -343,7 +343,7 @@ fn the_smallest_paths_are_timed() {
 }
 
 #[test]
-fn it_stops_when_told() {
+fn it_stops_on_demand() {
     let robot = planar(30);
     let start = nodes(&robot, |_| 0.3, 0);
     let (planned, pace, bounds) = (planned(30), [f64::INFINITY; 29], bounds(2.0, 8.0, 60.0));

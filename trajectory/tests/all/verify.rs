@@ -36,7 +36,7 @@ fn all_waypoints_and_all_motions_between_free_ones_are_asked() {
 }
 
 #[test]
-fn verification_stops_when_told() {
+fn verification_stops_on_demand() {
     let waypoints = [[0.0]; 1000];
     let stop = |p: Progress| if p.done >= 256 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let asked = AtomicUsize::new(0);

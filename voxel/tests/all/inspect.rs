@@ -182,7 +182,7 @@ fn cubes_that_stand_on_each_other_only_touch() {
 }
 
 #[test]
-fn a_corner_at_a_face_is_told_apart_to_the_last_bit() {
+fn a_corner_at_a_face_is_distinguished_to_the_last_bit() {
     for (tip, expected) in [(1e-60, [0, 0]), (0.0, [0, 1]), (-1e-60, [1, 0])] {
         let corners =
             [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [1.0, 1.0, tip], [1.0, 2.0, 5.0], [2.0, 1.0, 5.0]];
@@ -598,7 +598,7 @@ fn the_models_are_as_their_manifest_says() {
 
 #[test]
 #[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
-fn each_bad_model_is_told_by_its_fault() {
+fn each_bad_model_is_reported_by_its_fault() {
     let folder = shared("bad-models");
     let found = |name: &str| report(&read_stl(&folder.join(name)));
     let hole = found("hole.stl");

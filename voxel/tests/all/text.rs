@@ -45,7 +45,7 @@ fn blanks_at_line_ends_and_spare_empty_lines_do_not_matter() {
 }
 
 #[test]
-fn every_fault_is_told_with_its_place() {
+fn every_fault_is_reported_with_its_place() {
     type Check = fn(&TextGridError) -> bool;
     let cases: [(&str, Check); 15] = [
         ("", |e| matches!(e, TextGridError::Empty)),

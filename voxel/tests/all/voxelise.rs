@@ -151,7 +151,7 @@ fn a_grid_that_was_found_is_made_again() {
 
 /// A box without its lid: a flood fill from outside would leave the bare walls.
 #[test]
-fn a_hole_is_told_and_the_inside_kept() {
+fn a_hole_is_reported_and_the_inside_kept() {
     let mut mesh = cuboid([0.0; 3], [20.0, 20.0, 40.0]);
     mesh.triangles.truncate(10);
     for cell in [0.9, 1.0] {
@@ -303,7 +303,7 @@ fn work_can_be_stopped_at_any_call() {
 
 #[test]
 #[ignore = "needs ../shared/bad-models; .ci/run runs it where that folder exists"]
-fn damaged_models_are_told() {
+fn damaged_models_are_reported() {
     let solid = shared("bad-models/hole.stl").with(Resolution::Count(20_000)).unwrap();
     assert!(solid.report.open_edges > 0);
     assert!(solid.report.interior_cells > solid.report.surface_cells / 2, "{:?}", solid.report);

@@ -160,7 +160,7 @@ fn sheets_that_do_not_cross_stay_as_they_are() {
 }
 
 #[test]
-fn bad_surfaces_and_cancelling_are_told() {
+fn bad_surfaces_and_cancelling_are_reported() {
     let cube = cuboid([0.0; 3], [4.0; 3]);
     let slices: [SurfaceSlices; 1] = [(&cube.vertices, &cube.triangles)];
     assert_eq!(count_crossings(&slices, &|_| ControlFlow::Break(())), Err(TrimError::Cancelled));

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 #[test]
-fn bad_input_is_told() {
+fn bad_input_is_reported() {
     let cube = cuboid([0.0; 3], [4.0; 3]);
     let new = |mesh: &Mesh| Trimmer::new(&mesh.vertices, &mesh.triangles).map(|_| ());
     assert_eq!(new(&Mesh::default()), Err(TrimError::EmptyMesh));
