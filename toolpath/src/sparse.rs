@@ -7,17 +7,18 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, MatMut, Par, Side};
 use nalgebra::{Matrix2, Vector2};
 
 /// Entries of a symmetric matrix; those of one place are added. Give each pair of a row and a column once, in either order.
 #[derive(Debug, Default)]
-pub(crate) struct Entries(Vec<(usize, usize, f64)>);
+pub(crate) struct Entries(Vec<Triplet<usize, usize, f64>>);
 
 impl Entries {
     pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
-        self.0.push((row.max(column), row.min(column), value));
+        // The lower half.
+        self.0.push(Triplet::new(row.max(column), row.min(column), value));
     }
 
     /// Adds a block of two by two numbers, which couples the complex unknowns of two vertices. On the diagonal it is symmetric.
@@ -41,16 +42,18 @@ pub(crate) struct Factors {
 impl Factors {
     /// Factorises; `None` if the matrix is not positive definite, or not finite.
     pub(crate) fn new(size: usize, entries: &Entries) -> Option<Self> {
-        let (starts, rows, numbers) = columns(size, entries)?;
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
-        let params = CholeskySymbolicParams::default();
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params).ok()?;
+        if entries.0.iter().any(|entry| !entry.val.is_finite()) {
+            return None;
+        }
+        let matrix = SparseColMat::try_new_from_triplets(size, size, &entries.0).ok()?;
+        let (ordering, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
+        let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, params).ok()?;
         let mut values = vec![0.0; symbolic.len_val()];
         let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).ok()?;
         let found = symbolic.factorize_numeric_llt(
             &mut values,
-            SparseColMatRef::new(pattern, &numbers),
+            matrix.as_ref(),
             Side::Lower,
             Default::default(),
             Par::Seq,
@@ -78,35 +81,6 @@ impl Factors {
         self.solve(&mut flat);
         right.iter_mut().zip(flat.chunks_exact(2)).for_each(|(pair, found)| *pair = Vector2::new(found[0], found[1]));
     }
-}
-
-/// Where the columns of the lower half begin, their rows, and their numbers.
-type Columns = (Vec<usize>, Vec<usize>, Vec<f64>);
-
-/// The lower half column by column, entries of one place added in the order in which they came. `None` if a number is not finite, or a row has
-/// nothing on its diagonal: then the matrix is not positive definite.
-fn columns(size: usize, entries: &Entries) -> Option<Columns> {
-    if entries.0.iter().any(|(.., value)| !value.is_finite()) {
-        return None;
-    }
-    let mut sorted: Vec<&(usize, usize, f64)> = entries.0.iter().collect();
-    sorted.sort_by_key(|&&(row, column, _)| (column, row));
-    let (mut starts, mut rows, mut numbers) = (vec![0; size + 1], Vec::new(), Vec::new());
-    for same in sorted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let &&(row, column, _) = same.first()?;
-        // The diagonal is the first of its column.
-        if starts[column + 1] == 0 && row != column {
-            return None;
-        }
-        starts[column + 1] += 1;
-        rows.push(row);
-        numbers.push(same.iter().fold(0.0, |sum, (.., value)| sum + value));
-    }
-    if starts[1..].contains(&0) {
-        return None;
-    }
-    (0..size).for_each(|k| starts[k + 1] += starts[k]);
-    Some((starts, rows, numbers))
 }
 
 #[cfg(test)]
