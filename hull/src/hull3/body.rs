@@ -232,13 +232,13 @@ impl ConvexHull {
         if !self.is_solid() {
             return None;
         }
-        let top = self.climb(p, hint.facet);
-        hint.facet = if self.walls.shows(top, p) { top } else { self.climb(p, self.walls.first_showing(p)?) };
+        let top = self.hill_climb(p, hint.facet);
+        hint.facet = if self.walls.shows(top, p) { top } else { self.hill_climb(p, self.walls.first_showing(p)?) };
         Some(self.walls.plane(hint.facet))
     }
 
     /// The facet that `p` lies farther above (or less far below) than any of its neighbours, uphill from `start`.
-    pub(super) fn climb(&self, p: [i32; 3], start: u32) -> u32 {
+    pub(super) fn hill_climb(&self, p: [i32; 3], start: u32) -> u32 {
         let mut top = if self.walls.is_live(start) { start } else { self.newest };
         let mut height_of_top = self.walls.distance(top, p);
         loop {

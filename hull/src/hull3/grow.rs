@@ -83,7 +83,7 @@ impl ConvexHull {
 
     /// A facet that `p` lies strictly outside of. `hint` is looked at first.
     pub(super) fn facet_below(&self, p: [i32; 3], hint: u32) -> Option<u32> {
-        let top = self.climb(p, hint);
+        let top = self.hill_climb(p, hint);
         if self.walls.height(top, p) > 0.0 { Some(top) } else { self.walls.first_below(p) }
     }
 

@@ -49,7 +49,7 @@ impl EdgeValue {
     }
 
     /// Whole numbers on the way, positive upwards.
-    pub(super) fn climb(&self) -> i64 {
+    pub(super) fn increment(&self) -> i64 {
         let [from, to] = self.cells();
         to - from
     }
@@ -68,17 +68,17 @@ impl EdgeValue {
 pub(super) fn level_lines(mesh: &SurfaceMesh, value: impl Fn(u32) -> EdgeValue) -> Vec<CentreLine> {
     // The crossings of each edge, numbered from its tail on.
     let (mut points, mut first) = (Vec::new(), vec![0u32; mesh.half_edges() as usize + 1]);
-    let (mut climbs, mut flips) = (vec![0i64; mesh.half_edges() as usize], vec![false; mesh.half_edges() as usize]);
+    let (mut increments, mut flips) = (vec![0i64; mesh.half_edges() as usize], vec![false; mesh.half_edges() as usize]);
     for h in 0..mesh.half_edges() {
         first[h as usize] = points.len() as u32;
         if mesh.edge(h) != h {
             continue;
         }
         let along = value(h);
-        (climbs[h as usize], flips[h as usize]) = (along.climb(), along.flips);
+        (increments[h as usize], flips[h as usize]) = (along.increment(), along.flips);
         if let Some(twin) = mesh.twin(h) {
             // The other way: down instead of up, unless the sign turns as well.
-            climbs[twin as usize] = if along.flips { along.climb() } else { -along.climb() };
+            increments[twin as usize] = if along.flips { along.increment() } else { -along.increment() };
             flips[twin as usize] = along.flips;
         }
         let [tail, head] = [mesh.tail(h), mesh.head(h)].map(|v| mesh.vertices()[v as usize]);
@@ -92,7 +92,7 @@ pub(super) fn level_lines(mesh: &SurfaceMesh, value: impl Fn(u32) -> EdgeValue) 
         for (k, around) in around.iter_mut().enumerate() {
             let h = 3 * triangle + k as u32;
             let edge = mesh.edge(h);
-            let up = climbs[h as usize] * sign > 0;
+            let up = increments[h as usize] * sign > 0;
             let range = (first[edge as usize]..first[edge as usize + 1]).map(|point| Crossing { point, up });
             if edge == h {
                 around.extend(range)

@@ -12,7 +12,7 @@
 //! | `X` | across the stripes, in the tangent plane |
 //! | `omega_ij` | `Edge::growth`, in radians, as seen from the tail |
 //! | `s_ij = sgn <X_i, X_j>` | `Edge::flips` |
-//! | `sigma_ij` (eq. 9), `n` | `EdgeValue`, and its climb around a triangle |
+//! | `sigma_ij` (eq. 9), `n` | `EdgeValue`, and its increment around a triangle |
 //!
 //! Departures. The smallest eigenvector may be large in one part of the layer and close to nothing in another, where its phase is poor. So in each round
 //! of the power iteration all numbers are made unit, not their norm: a step of the flow to phases of least energy. Borders along the direction pull the
@@ -169,8 +169,8 @@ fn singular(mesh: &SurfaceMesh, value: &impl Fn(u32) -> EdgeValue) -> Vec<u32> {
         for h in 3 * triangle..3 * triangle + 3 {
             let edge = mesh.edge(h);
             let along = value(edge);
-            let climb = if edge == h || along.flips { along.climb() } else { -along.climb() };
-            sum += sign * climb;
+            let increment = if edge == h || along.flips { along.increment() } else { -along.increment() };
+            sum += sign * increment;
             sign = if along.flips { -sign } else { sign };
         }
         sum != 0 || sign < 0

@@ -269,7 +269,7 @@ fn an_arm_over_a_table_prints_a_block() {
     let (mut next, mut before): (_, Option<Vector3<f64>>) = (0, None);
     for (at, speed) in &targets {
         let passed = tips[next..].iter().position(|(tip, _)| (tip.coords - at - shift).norm() < 2e-3);
-        let Some(passed) = passed else { panic!("{at} is no place of the machine file") };
+        let Some(passed) = passed else { panic!("{at} is not in the machine file") };
         if let (Some(from), true) = (before, next > 0) {
             let lines = tips[next - 1..=next + passed].windows(2);
             let seconds: f64 = lines.map(|pair| (pair[1].0 - pair[0].0).norm() / pair[1].1).sum();
@@ -330,7 +330,7 @@ fn an_arm_of_a_file_prints_over_a_plate_that_stands_still() {
     assert!(status == 1 && line.contains("bad.json") && line.contains("nozzle.cone_height_mm"), "{status} {line}");
 }
 
-/// Bug: the whole tower was in the scene from the first layer on, so that what holds the nozzle had no place beside it.
+/// Bug: the whole tower was in the scene from the first layer on, so that the holder of the nozzle collided with it.
 #[test]
 fn what_is_printed_later_is_not_in_the_way() {
     let scratch = Scratch::new("tower");
