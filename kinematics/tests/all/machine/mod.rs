@@ -1,0 +1,7 @@
+//! Five-axis machines: models, kinematics both ways, plans along a path.
+
+mod closed_forms;
+#[cfg(feature = "serde")]
+mod files;
+mod models;
+mod random;
