@@ -9,7 +9,8 @@
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Setup`], [`TableSetup`]: who holds what; from a waypoint to configurations.
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
-//! * [`machine`]: five-axis machines as data, in a JSON file: forward and inverse kinematics.
+//! * [`machine`]: five-axis machines as data, in a JSON file: forward and inverse kinematics, and motions of the
+//!   axes along a path.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand, by what the arm reaches.
 //! * [`best_fixture_place`]: the best place of a nozzle, a plate or a table, with collisions.

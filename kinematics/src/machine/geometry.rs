@@ -84,6 +84,13 @@ impl Rotary {
     pub fn image(&self, images: &Images, number: u64) -> f64 {
         (images.first + TAU * number as f64).clamp(self.range[0], self.range[1])
     }
+
+    /// The image next to `near` that is within the range, or beyond it by `slack` and then moved to its end.
+    pub fn nearest(&self, reading: f64, near: f64, slack: f64) -> Option<f64> {
+        let image = nearest_image(reading, near);
+        let within = image.clamp(self.range[0], self.range[1]);
+        ((within - image).abs() <= slack).then_some(within)
+    }
 }
 
 /// Values of the linear axes (0 for one that is not there) and readings of the rotary ones, whatever the controller's program says.

@@ -29,6 +29,7 @@ mod file;
 mod geometry;
 mod inverse;
 mod model;
+mod plan;
 mod reach;
 mod rotate;
 
@@ -37,4 +38,5 @@ pub use file::MachineFileError;
 pub use geometry::FiveAxis;
 pub use inverse::{AxisSolution, Solutions};
 pub use model::{AxisMount, LinearAxisModel, MachineKind, MachineModel, RotaryAxisModel, ToolModel, VERSION};
+pub use plan::{AxisMove, AxisPlan, AxisPlanError, AxisPlanOptions, AxisPlanSummary, AxisStep, PathMove, plan_axes};
 pub use reach::Unreachable;

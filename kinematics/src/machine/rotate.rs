@@ -21,3 +21,15 @@ pub(super) fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3
 pub(super) fn arc(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     atan2(a.cross(b).norm(), a.dot(b))
 }
+
+/// The direction on the great circle from `from` to `to` at a share of the way; not for opposite ones.
+pub(super) fn along_arc(from: &Vector3<f64>, to: &Vector3<f64>, share: f64) -> Vector3<f64> {
+    let across = from.cross(to);
+    let sine = across.norm();
+    // Below this the chord is the arc to the last digit.
+    if sine < 1e-9 {
+        return (from + (to - from) * share).normalize();
+    }
+    let (sin, cos) = sin_cos(share * atan2(sine, from.dot(to)));
+    (from * cos + across.cross(from) * (sin / sine)).normalize()
+}

@@ -1,4 +1,4 @@
-//! Files of machines: the ones to copy from, written and read again, and files that are none.
+//! Files of machines: the ones to copy from, written and read again, and invalid ones.
 
 use curvlay_kinematics::machine::{FiveAxis, MachineKind, MachineModel};
 use curvlay_kinematics::nalgebra::{Point3, Vector3};
@@ -49,7 +49,7 @@ fn files_to_copy_from_are_read_and_come_back() {
 }
 
 #[test]
-fn files_that_are_none_say_where() {
+fn invalid_files_say_where() {
     let (_, text, _) = FILES[0];
     let said = |from: &str, to: &str| {
         assert!(text.contains(from), "{from}");

@@ -4,4 +4,6 @@ mod closed_forms;
 #[cfg(feature = "serde")]
 mod files;
 mod models;
+mod plan;
 mod random;
+mod sampled;

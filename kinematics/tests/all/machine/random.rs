@@ -10,7 +10,7 @@ fn vector() -> impl Strategy<Value = [f64; 3]> {
     prop::array::uniform3(-1.0..1.0f64)
 }
 
-/// Any skew machine of three linear axes; some of them none.
+/// Any skew machine of three linear axes.
 fn any_machine() -> impl Strategy<Value = FiveAxis> {
     let lines = prop::array::uniform3(vector());
     let axes = prop::array::uniform2(vector());
