@@ -65,5 +65,5 @@ pub use step::{
 };
 pub use text::tokens::ReadError;
 pub use urscript::{
-    FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
+    FILAMENT_FULL_SCALE_MM_S, Straight, UrExtruder, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
 };

@@ -16,6 +16,7 @@ mod link_bodies;
 mod part_place;
 mod placement;
 mod program;
+mod program_blended;
 mod program_fuzz;
 mod program_prints;
 mod program_rapid;

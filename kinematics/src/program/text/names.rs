@@ -30,7 +30,9 @@ const URSCRIPT_RESERVED: &str = "\
     kill local loop mod not or pause pass return run sec struct switch sync thread True until while xor movej movel \
     roller conductor tape_heat tape_feed tape_press tape_cut tool_ready tape_hot tape_fed get_standard_digital_in \
     movep movec servoj stopj stopl pose_trans filament_full_scale nozzle pose_inv set_tcp set_payload \
-    set_standard_digital_out set_standard_analog_out p sleep work";
+    set_standard_digital_out set_standard_analog_out p sleep work filament_step rpm_per_mm_s modbus_add_signal \
+    modbus_set_output_signal modbus_set_output_register modbus_set_signal_update_frequency socket_open socket_close \
+    socket_send_line";
 
 /// Letters that begin a name of RAPID's speeds and zones, before digits only.
 const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
@@ -80,6 +82,19 @@ pub(crate) fn check_name(language: Language, what: &'static str, name: &str, mos
         None => Ok(()),
         Some(why) => Err(WriteError::Name { what, name: name.to_owned(), need: format!("{why}; take another") }),
     }
+}
+
+/// Most characters of a remark.
+const MAX_REMARK: usize = 400;
+
+/// Whether a remark is one line that every controller shows.
+pub(crate) fn check_remark(what: &'static str, remark: Option<&str>) -> Result<(), WriteError> {
+    let Some(remark) = remark else { return Ok(()) };
+    if remark.len() <= MAX_REMARK && remark.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
+        return Ok(());
+    }
+    let need = format!("one line of at most {MAX_REMARK} printable ASCII characters");
+    Err(WriteError::Name { what, name: remark.chars().take(40).collect(), need })
 }
 
 /// Names that must all differ, whatever their case: RAPID has one table for modules, routines, data and signals.

@@ -1,5 +1,7 @@
 //! What several test files share: robots by name, reference rows, joints and poses to compare.
 
+#[cfg(feature = "serde")]
+pub mod cells;
 pub mod files;
 pub mod solids;
 
