@@ -18,6 +18,7 @@ mod placement;
 mod program;
 mod program_blended;
 mod program_fuzz;
+mod program_krl;
 mod program_prints;
 mod program_rapid;
 mod program_servo;

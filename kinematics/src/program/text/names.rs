@@ -34,6 +34,14 @@ const URSCRIPT_RESERVED: &str = "\
     modbus_set_output_signal modbus_set_output_register modbus_set_signal_update_frequency socket_open socket_close \
     socket_send_line";
 
+/// Words of KRL that a short name could be (*KSS 8.3 SI*, keywords). Case does not count.
+const KRL_RESERVED: &str = "\
+    AND ANIN ANOUT B_AND BOOL BRAKE CASE CAST_FROM CAST_TO CCLOSE CHAN_INFO CHAR CIRC CIRC_REL CONFIRM CONST CONTINUE \
+    COPEN CREAD CWRITE DECL DEF DEFAULT DEFDAT DEFFCT DELAY DIGIN DISTANCE DO ELSE END ENDDAT ENDFCT ENDFOR ENDIF \
+    ENDLOOP ENDSPLINE ENDSWITCH ENDWHILE ENUM EXIT EXT EXTFCT FALSE FOR FRAME GLOBAL GOTO HALT IF IMPORT INT INTERRUPT IS \
+    LIN LIN_REL LOOP MINIMUM MAXIMUM NOT OFF ON OR POS AXIS E6POS E6AXIS PRIO PTP PTP_REL PUBLIC PULSE REAL REPEAT RESUME \
+    RETURN SCIRC SIGNAL SLIN SPL SPLINE SPTP STRUC SWITCH SYNC THEN TO TRIGGER TRUE UNTIL WAIT WHEN WHILE WITH BAS IR_STOPM";
+
 /// Letters that begin a name of RAPID's speeds and zones, before digits only.
 const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
 
@@ -42,6 +50,7 @@ const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
 pub(crate) enum Language {
     Rapid,
     UrScript,
+    Krl,
 }
 
 /// Whether the language keeps a name for itself, and why.
@@ -52,6 +61,7 @@ fn kept(language: Language, name: &str) -> Option<&'static str> {
         Language::Rapid if has(RAPID_INSTALLED) || name.eq_ignore_ascii_case("main") || is_numbered(name) => {
             Some("RAPID has something else of that name")
         }
+        Language::Krl if has(KRL_RESERVED) => Some("it is a word of KRL"),
         Language::UrScript if URSCRIPT_RESERVED.split_ascii_whitespace().any(|word| word == name) => {
             Some("it is a word of URScript")
         }

@@ -3,6 +3,7 @@
 #[cfg(feature = "serde")]
 pub mod cells;
 pub mod files;
+pub mod programs;
 pub mod solids;
 
 use curvlay_kinematics::nalgebra::{Isometry3, Matrix4};
