@@ -289,6 +289,33 @@ pub fn table(run: &PartRun) -> Table {
 fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     options(args, &mut summary)?;
+    of_tapes(args, run, &mut summary)?;
+    of_stresses(run, &mut summary)?;
+    summary.set_seconds("plan_s", run.plan_time)?;
+    if let Some(print) = &run.print {
+        summary
+            .set("paths", print.resolved.paths.len())?
+            .set("bead_length_mm", print.deposition.bead_mm)?
+            .set("left_out_pieces", print.resolved.left_out.len())?
+            .set("print_s", print.deposition.total_s)?;
+    }
+    if let Some(bedding) = &run.bedding {
+        summary
+            .set("tape_on_nothing_share", bedding.on_nothing_share())?
+            .set("tape_uncovered_share", bedding.uncovered_share())?
+            .set("roller_depth_mm", bedding.roller_depth.map_or(0.0, |deepest| deepest.mm))?
+            .set("unsupported_share", bedding.bead_on_nothing_share())?;
+    }
+    if let Some(motion) = &run.motion {
+        of_motion(motion, &mut summary)?;
+    }
+    findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+/// Layers, tapes and wires; of shares the least of all layers, of what should be small the largest.
+fn of_tapes(args: &Args, run: &PartRun, summary: &mut Summary) -> Result<(), Failure> {
     let (tapes, tape_mm) = run.of_roller();
     let least = |of: fn(&TapedLayer) -> f64| run.taped.iter().map(of).fold(1.0, f64::min);
     summary
@@ -318,6 +345,11 @@ fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> R
     if let Some(most) = angles.into_iter().reduce(f64::max) {
         summary.set("angle_to_principal_deg", most.to_degrees())?;
     }
+    Ok(())
+}
+
+/// The stresses, and what comes of them: layers that follow the load, and how stiff and strong the tapes make the part.
+fn of_stresses(run: &PartRun, summary: &mut Summary) -> Result<(), Failure> {
     if let Some(solved) = &run.solved {
         summary
             .set("elastic_cells", solved.cells)?
@@ -345,27 +377,7 @@ fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> R
             }
         }
     }
-    summary.set_seconds("plan_s", run.plan_time)?;
-    if let Some(print) = &run.print {
-        summary
-            .set("paths", print.resolved.paths.len())?
-            .set("bead_length_mm", print.deposition.bead_mm)?
-            .set("left_out_pieces", print.resolved.left_out.len())?
-            .set("print_s", print.deposition.total_s)?;
-    }
-    if let Some(bedding) = &run.bedding {
-        summary
-            .set("tape_on_nothing_share", bedding.on_nothing_share())?
-            .set("tape_uncovered_share", bedding.uncovered_share())?
-            .set("roller_depth_mm", bedding.roller_depth.map_or(0.0, |deepest| deepest.mm))?
-            .set("unsupported_share", bedding.bead_on_nothing_share())?;
-    }
-    if let Some(motion) = &run.motion {
-        of_motion(motion, &mut summary)?;
-    }
-    findings.summary(&mut summary)?;
-    summary.set_seconds("total_s", start.elapsed())?;
-    Ok(summary)
+    Ok(())
 }
 
 fn of_motion(motion: &PartMotion, summary: &mut Summary) -> Result<(), Failure> {
@@ -403,6 +415,31 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
         run.source
     ));
     report.table("Layers with tapes; bedded is the share of the layer that has beads below and above", &table(run));
+    report_stresses(run, &mut report);
+    if let Some(bedding) = &run.bedding {
+        report.paragraph(&format!(
+            "Of {:.0} mm² of tape {} are unsupported, and {} are uncovered, by a check of strands as wide as a layer is high among the beads as they \
+             are deposited. The roller is at most {:.3} mm deep in the beads below.",
+            bedding.tape_mm2,
+            percent(bedding.on_nothing_share()),
+            percent(bedding.uncovered_share()),
+            bedding.roller_depth.map_or(0.0, |deepest| deepest.mm)
+        ));
+    }
+    if let Some(motion) = &run.motion {
+        report_motion(motion, &mut report);
+    }
+    let shown: Vec<(&str, &[u8])> =
+        pictures.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
+    report.pictures(&shown);
+    if let Some(model) = model(run) {
+        report.viewer(&model);
+    }
+    report
+}
+
+/// How stiff and strong the tapes make the part, and how layers follow the load.
+fn report_stresses(run: &PartRun, report: &mut Report) {
     if let Some(reinforced) = &run.reinforced {
         report.paragraph(&format!(
             "With its tapes, of whose fibre {} bears, the part is {} stiffer against this load than without. Bonds of {:.2} MPa in peel and in shear come apart at {:.2} times \
@@ -422,19 +459,12 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
              --directions growth.csv). Without support these orders miss {missed} and {missed_by_guided} cells.",
         ));
     }
-    if let Some(bedding) = &run.bedding {
-        report.paragraph(&format!(
-            "Of {:.0} mm² of tape {} are unsupported, and {} are uncovered, by a check of strands as wide as a layer is high among the beads as they \
-             are deposited. The roller is at most {:.3} mm deep in the beads below.",
-            bedding.tape_mm2,
-            percent(bedding.on_nothing_share()),
-            percent(bedding.uncovered_share()),
-            bedding.roller_depth.map_or(0.0, |deepest| deepest.mm)
-        ));
-    }
-    if let Some(motion) = &run.motion {
-        let read = &motion.read;
-        report.paragraph(&format!(
+}
+
+/// The motion of arm and head, and what the program does, read again.
+fn report_motion(motion: &PartMotion, report: &mut Report) {
+    let read = &motion.read;
+    report.paragraph(&format!(
             "{}: {} motions along beads and {} along tapes, {:.0} s besides waits; the head changes {} times, at home. The roller is mounted at {:.0} degrees and \
              turned away from a tape by {:.2} degrees at most. Read again, the program lays {} beads and {} tapes, with {} cuts; while the roller presses it is \
              within {:.3} mm of the planned tapes.",
@@ -450,14 +480,6 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
             read.cuts,
             read.tape_off_mm
         ));
-    }
-    let shown: Vec<(&str, &[u8])> =
-        pictures.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
-    report.pictures(&shown);
-    if let Some(model) = model(run) {
-        report.viewer(&model);
-    }
-    report
 }
 
 /// The build for the viewer: as the robot does it, or as the machine file says.

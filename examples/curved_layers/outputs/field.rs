@@ -17,6 +17,7 @@ use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 /// Pixels of each picture.
 const PICTURE: [u32; 2] = [760, 680];
@@ -111,9 +112,17 @@ fn missed(run: &FieldRun, is: impl Fn(MissedReason) -> bool) -> usize {
 }
 
 pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
-    let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
+    of_part(args, part, run, summary)?;
+    of_order_options(args, run, summary)?;
+    of_settings(args, summary)?;
+    of_times(run, summary)?;
+    of_order(run, summary)
+}
+
+/// The part and its cells.
+fn of_part(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let grid = &run.solid.grid;
     let [nx, ny, nz] = grid.dims();
-    let [nozzle_growth, support] = args.complete.names(args.grow.strategy().is_none());
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("mesh", part.name.as_str())?
@@ -130,7 +139,16 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("nx", nx)?
         .set("ny", ny)?
         .set("nz", nz)?
-        .set("cells", grid.count())?
+        .set("cells", grid.count())?;
+    Ok(())
+}
+
+/// How the order was to be found, and on what.
+fn of_order_options(args: &Args, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let [nozzle_growth, support] = args.complete.names(args.grow.strategy().is_none());
+    let named =
+        |path: &Option<PathBuf>| path.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string());
+    summary
         .set("coherent", args.coherent)?
         .set("eps_cells", args.grow.eps_cells)?
         .set("beyond_eps", args.grow.beyond_eps)?
@@ -147,11 +165,8 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("support_contact_cells", args.complete.support_contact)?
         .set("support_gap_cells", args.complete.support_gap)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
-        .set("base", args.base.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()))?
-        .set(
-            "directions",
-            args.directions.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()),
-        )?
+        .set("base", named(&args.base))?
+        .set("directions", named(&args.directions))?
         .set("max_overhang_deg", args.max_overhang_deg.map_or("none".to_owned(), |degrees| degrees.to_string()))?
         .set("on", run.mould.as_ref().map_or("none", |mould| &mould.name))?
         .set("buried_mm3", run.buried_mm3)?
@@ -162,8 +177,13 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("threads", args.common.threads)?
         .set("max_memory_gb", args.max_memory_gb)?
         .set_all(&args.allow)?
-        .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?
-        .set("workcell", args.motion.workcell.as_ref().map_or("none".into(), |path| path.display().to_string()))?;
+        .set("profile", named(&args.profile))?
+        .set("workcell", named(&args.motion.workcell))?;
+    Ok(())
+}
+
+/// The settings of a profile.
+fn of_settings(args: &Args, summary: &mut Summary) -> Result<(), Failure> {
     // Those with values of the run come with their stage.
     let later = ["workcell", "layer_height_mm", "bead_mm", "nozzle", "platform_diameter_mm"];
     for (name, value) in args.settings.fields().into_iter().filter(|(name, _)| !later.contains(&name.as_str())) {
@@ -175,6 +195,12 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         };
         summary.set(&name, value)?;
     }
+    Ok(())
+}
+
+/// How long the steps took.
+fn of_times(run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let times = &run.times;
     summary
         .set_seconds("inspect_s", times.inspect)?
         .set_seconds("voxelise_s", times.voxelise)?
@@ -183,7 +209,14 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set_seconds("audit_s", times.audit)?
         .set_seconds("prove_s", times.prove)?
         .set_seconds("check_proofs_s", times.check_proofs)?
-        .set_seconds("total_s", times.total)?
+        .set_seconds("total_s", times.total)?;
+    Ok(())
+}
+
+/// The order, what it misses, and what its checks say.
+fn of_order(run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let growth = &run.growth;
+    summary
         .set("cell_layers", growth.order.len())?
         .set("missed_cells", growth.missed.len())?
         .set("missed_by_hull_cells", run.missed_by_hull.len())?

@@ -144,11 +144,31 @@ pub fn summary(
     written: &Written,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
+    of_orientation(job, field, paths, run, summary)?;
+    if let Some(skin) = run.skin {
+        summary
+            .set("skin_gap_mean_mm", skin.mean_mm)?
+            .set("skin_gap_p50_mm", skin.p50_mm)?
+            .set("skin_gap_p95_mm", skin.p95_mm)?
+            .set("skin_bare_share", skin.bare_share)?;
+    }
+    of_deposition(job, run, summary)?;
+    of_support(job, run, summary)?;
+    summary.set("gcode_bytes", written.bytes)?;
+    Ok(())
+}
+
+/// How the nozzle is oriented, what it collides with, and what is left out for that.
+fn of_orientation(
+    job: &Job,
+    field: &FieldRun,
+    paths: &PathsRun,
+    run: &MachineRun,
+    summary: &mut Summary,
+) -> Result<(), Failure> {
+    let (resolved, times) = (&run.resolved, &run.times);
     let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
         job.setup.cell.equipment().model().nozzle;
-    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
-    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
         .set("filled_share", run.filled_shares(field, paths)[0])?
@@ -175,17 +195,18 @@ pub fn summary(
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
         .set("raised_waypoints", resolved.lifted)?
         .set("max_raise_mm", resolved.max_lift)?
-        .set("extruded_mm3", deposition.extruded_mm3)?;
+        .set("extruded_mm3", run.deposition.extruded_mm3)?;
     if let Some(covered_mm3) = run.covered_mm3 {
         summary.set("covered_mm3", covered_mm3)?;
     }
-    if let Some(skin) = run.skin {
-        summary
-            .set("skin_gap_mean_mm", skin.mean_mm)?
-            .set("skin_gap_p50_mm", skin.p50_mm)?
-            .set("skin_gap_p95_mm", skin.p95_mm)?
-            .set("skin_bare_share", skin.bare_share)?;
-    }
+    Ok(())
+}
+
+/// The filament, the time and what limits the feed, and the travels.
+fn of_deposition(job: &Job, run: &MachineRun, summary: &mut Summary) -> Result<(), Failure> {
+    let (deposition, times) = (&run.deposition, &run.times);
+    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
+    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     summary
         .set("filament_mm", deposition.filament_mm)?
         .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
@@ -200,7 +221,13 @@ pub fn summary(
         .set("blocked_travels", run.travels.blocked.len())?
         .set("max_lift_mm", run.travels.max_lift)?
         .set_seconds("travels_s", times.travels)?
-        .set("retractions", deposition.retractions)?
+        .set("retractions", deposition.retractions)?;
+    Ok(())
+}
+
+/// What is under the beads.
+fn of_support(job: &Job, run: &MachineRun, summary: &mut Summary) -> Result<(), Failure> {
+    summary
         .set("support_distance", job.args.support_distance_heights)?
         .set("unsupported_mm", run.support.unsupported_mm())?
         .set("unsupported_share", run.support.unsupported_share())?
@@ -209,8 +236,7 @@ pub fn summary(
         .set("span_mm", run.support.span_mm())?
         .set("spans", run.support.spans.len())?
         .set("span_longest_mm", run.support.longest_span_mm())?
-        .set_seconds("support_s", times.support)?
-        .set("gcode_bytes", written.bytes)?;
+        .set_seconds("support_s", run.times.support)?;
     Ok(())
 }
 
