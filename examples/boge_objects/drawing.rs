@@ -2,6 +2,7 @@
 
 use super::growing::{Case, Run};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::render::layer_colour;
 use curvlay_hull::{ConvexHull2, Depth, Location2};
 use std::fmt::Write;
@@ -53,12 +54,12 @@ pub fn worked_example(case: &Case, run: &Run) -> Result<String, Failure> {
         let _ = write!(
             svg,
             "<polygon points=\"{}\" fill=\"none\" stroke=\"#0b7a75\" stroke-width=\"1.5\" stroke-dasharray=\"4 2\"/>\
-             <text class=\"x\" x=\"{:.1}\" y=\"{:.1}\" style=\"font-size:9px\">layer {}: {} cells, {} in the hull</text>",
+             <text class=\"x\" x=\"{:.1}\" y=\"{:.1}\" style=\"font-size:9px\">layer {}: {}, {} in the hull</text>",
             outline.join(" "),
             left + wide / 2.0,
             top - 4.0,
             at + 1,
-            layer.len(),
+            counted(layer.len(), "cell"),
             shadowed.len()
         );
     }

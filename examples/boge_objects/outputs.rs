@@ -7,6 +7,7 @@ use super::objects::PLATFORMS;
 use super::rating::Rating;
 use super::thesis::{HARDWARE, LAYERS, METHODS, MISSED, RATINGS, UNIFORM};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{LayeredCells, Plane, draw_cut};
 use curvlay_examples::report::Report;
@@ -287,7 +288,10 @@ fn report_pictures(results: &Results, report: &mut Report) -> Result<(), Failure
     if let Some(case) = results.cases.iter().find(|case| case.object == 0 && case.platform == 1) {
         for (method, run) in METHODS.iter().zip(&case.ways.theirs) {
             let (missed, layers) = (run.growth.missed.len(), run.growth.order.len());
-            report.drawing(&format!("{method}: {layers} layers, {missed} cells missed"), &worked_example(case, run)?);
+            report.drawing(
+                &format!("{method}: {}, {} missed", counted(layers, "layer"), counted(missed, "cell")),
+                &worked_example(case, run)?,
+            );
         }
     }
     report.heading("Curved layers and plane slicing (Figs. 6.2 to 6.6)");

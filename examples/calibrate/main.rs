@@ -18,6 +18,7 @@ mod outputs;
 pub use args::{Args, Fit};
 use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::input;
 use curvlay_examples::motion::link_mesh;
@@ -193,7 +194,7 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
         findings.add(
             Severity::Failed,
             "the fit of the arm did not converge",
-            format!("after {} iterations", fit.iterations),
+            format!("after {}", counted(fit.iterations, "iteration")),
             "",
         );
     }

@@ -4,6 +4,7 @@
 use super::demo::Truth;
 use super::{Args, FoundArm, Run};
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
 use curvlay_examples::report::Report;
@@ -213,11 +214,11 @@ fn report(args: &Args, run: &Run) -> Report {
     report.paragraph(&format!("Workcell: {}. The calibrated one is {WORKCELL}.", run.model.name));
     if run.truth.is_some() {
         report.paragraph(&format!(
-            "The measurements were made in code ({MEASUREMENTS}, a file such as yours would be): an arm with known errors, {} poses measured with \
-             noise of {} mm, {} touches by hand.",
-            run.measured.poses.len(),
+            "The measurements were made in code ({MEASUREMENTS}, a file such as yours would be): an arm with known errors, {} measured with \
+             noise of {} mm, and a point touched {} by hand.",
+            counted(run.measured.poses.len(), "pose"),
             args.noise_mm,
-            run.measured.touches.len()
+            counted(run.measured.touches.len(), "time")
         ));
     }
     let tables = tables(run);
@@ -243,10 +244,10 @@ fn report(args: &Args, run: &Run) -> Report {
 /// The arm: how it was found, its residuals, its numbers, its base.
 fn report_arm(fit: &ArmFit, run: &Run, [residuals, numbers]: [Option<&Table>; 2], report: &mut Report) {
     report.heading("The arm").paragraph(&format!(
-            "Gauss-Newton's method over {} poses, {} iterations: {} of {} numbers are determined. Before: the nominal arm, with base and target where they \
+            "Gauss-Newton's method over {}, {}: {} of {} numbers are determined. Before: the nominal arm, with base and target where they \
              fit it best. {}",
-            run.measured.poses.len(),
-            fit.iterations,
+            counted(run.measured.poses.len(), "pose"),
+            counted(fit.iterations, "iteration"),
             fit.parameters.iter().filter(|found| found.is_determined).count(),
             fit.parameters.len(),
             if run.is_closed_form {

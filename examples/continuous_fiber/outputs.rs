@@ -7,6 +7,7 @@ use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_hea
 use super::tapes::Planned;
 use super::{Args, Run, drawing, part_outputs};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
@@ -292,13 +293,13 @@ fn report_layer(run: &Run, report: &mut Report) {
     }
     if let Some(moved) = &run.moved {
         report.paragraph(&format!(
-            "{}: {} motions for the {} tapes of the arc, {:.0} s, {} faults. On them the contact line is within {:.3} mm of the centre line, the \
+            "{}: {} for {} of the arc, {:.0} s, {}. On them the contact line is within {:.3} mm of the centre line, the \
              roller within {:.2} degrees of it, mounted at {:.0} degrees. The body of the cell's nozzle stands for that of the roller.",
             moved.cell,
-            moved.runs,
-            moved.tapes,
+            counted(moved.runs, "motion"),
+            counted(moved.tapes, "tape"),
             moved.robot_s,
-            moved.faults.len(),
+            counted(moved.faults.len(), "fault"),
             moved.max_deviation_mm,
             moved.max_turn.to_degrees(),
             moved.mount.to_degrees()

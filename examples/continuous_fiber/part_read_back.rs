@@ -4,6 +4,7 @@
 use super::motion::TapeMotion;
 use super::part_programs::{Item, Written};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::motion::read_back::ReadBack;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_kinematics::print_program::StreamOptions;
@@ -86,7 +87,7 @@ impl Written<'_> {
             }
         }
         if read.laid[0] != self.beads.runs.len() {
-            read.wrong.push(format!("{} beads are laid instead of {}", read.laid[0], self.beads.runs.len()));
+            read.wrong.push(format!("{} laid instead of {}", counted(read.laid[0], "bead"), self.beads.runs.len()));
         }
         Ok(read)
     }

@@ -10,6 +10,7 @@ use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use Severity::{Failed, Note, Warning};
 use curvlay_examples::args::AllowArgs;
+use curvlay_examples::count::{counted, grouped};
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{self, MissedReason, NoSupport};
@@ -90,7 +91,8 @@ fn of_mesh(run: &FieldRun, findings: &mut Findings) {
         findings.add(Note, what, format!("{:.0} mm3", run.part_mm3), "a smaller --cell gives a better one");
     }
     if report.leak_faces > 0 {
-        let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
+        let amount =
+            format!("{} near them decided one by one by winding number", counted(report.cells_asked_singly, "cell"));
         findings.add(Warning, "the mesh has holes wider than a cell", amount, "");
     }
     if report.inside_out {
@@ -140,7 +142,8 @@ fn of_standing(run: &FieldRun, args: &Args, findings: &mut Findings) {
 /// Of the order: what it misses, and what its checks say.
 fn of_order(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if !run.growth.nozzle.is_empty() {
-        let amount = format!("{} of {} cells", run.growth.nozzle.len(), run.growth.order.cells().len());
+        let amount =
+            format!("{} of {}", grouped(run.growth.nozzle.len()), counted(run.growth.order.cells().len(), "cell"));
         let what = "cells were checked for this nozzle, not by the hull rule: a larger one may not reach them";
         // An order by distance is meant for the nozzle that prints.
         let is_by_hulls = run.layers_by.is_none_or(|layers_by| layers_by == curved::LayersBy::Hull);
@@ -184,13 +187,13 @@ fn missed_in_words(run: &FieldRun) -> String {
     let proven: BTreeSet<u32> = run.impossible.iter().map(|impossible| impossible.cell).collect();
     let impossible = missed.iter().filter(|missed| proven.contains(&missed.cell)).count();
     format!(
-        "{} of {} cells at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of the part built so far{reach}, {} without \
-         support; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {} cells, of which \
+        "{} of {} at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of the part built so far{reach}, {} without \
+         support; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {}, of which \
          {} are proven impossible in any order, {} are undecided",
         missed.len(),
-        grid.count(),
+        counted(grid.count(), "cell"),
         missed.len() - inside - out_of_reach,
-        run.missed_by_hull.len(),
+        counted(run.missed_by_hull.len(), "cell"),
         run.impossible.len(),
         run.undecided()
     )
@@ -243,7 +246,7 @@ fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
     }
     let left = run.clipped.left;
     if left.crossing > 0 {
-        let amount = format!("at {} of {} edges", left.crossing, left.edges);
+        let amount = format!("at {} of {}", grouped(left.crossing), counted(left.edges, "edge"));
         findings.add(Warning, "surfaces pass through each other where clipping cannot cut them", amount, "layers.vtk");
     }
     if run.spacing.squeezed_share > NOTABLE_SHARE {
@@ -261,9 +264,9 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
     if unfillable > NOTABLE_SHARE {
         let what = format!("no bead of {:.3} mm fits into a part of the layers", run.bead_mm);
         let amount = format!(
-            "{} of their area; {} pieces of {:.1} mm3 get none at all",
+            "{} of their area; {} of {:.1} mm3 without any bead",
             percent(unfillable),
-            too_thin.parts,
+            counted(too_thin.parts, "piece"),
             too_thin.volume_mm3
         );
         findings.add(Warning, what, amount, "--bead");
@@ -274,7 +277,7 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
         findings.add(Note, "skins bridge what is sparse below them", amount, "--skin, --density");
     }
     if totals.self_crossings > 0 {
-        findings.add(Warning, "paths cross each other", format!("{} times", totals.self_crossings), "paths.obj");
+        findings.add(Warning, "paths cross each other", counted(totals.self_crossings, "time"), "paths.obj");
     }
 }
 
@@ -295,7 +298,7 @@ fn of_gouging(paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Fi
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
         let share = run.gouging_share();
-        let amount = format!("at {} of {} waypoints, {}", grouped(left), grouped(waypoints), percent(share));
+        let amount = format!("at {} of {}, {}", grouped(left), counted(waypoints, "waypoint"), percent(share));
         let severity = Severity::above(share, args.allow.allow_gouging);
         let finding =
             findings.explain(severity, "the nozzle collides with the part or the plate", amount, "gouging.csv");
@@ -312,7 +315,8 @@ fn of_gouging(paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Fi
         finding.allow(accept("--allow-gouging", share));
     }
     if run.resolved.lifted > 0 {
-        let amount = format!("at {} waypoints, by {:.2} mm at most", run.resolved.lifted, run.resolved.max_lift);
+        let amount =
+            format!("at {}, by {:.2} mm at most", counted(run.resolved.lifted, "waypoint"), run.resolved.max_lift);
         findings.add(Note, "the nozzle is raised a little where it would collide with printed material", amount, "");
     }
 }
@@ -391,21 +395,6 @@ fn of_volume(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args, 
             .try_to(slimmer)
             .allow(accept("--allow-volume", off));
     }
-}
-
-/// A number with its thousands apart, such as `95,905`.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let comma = |(at, digit): (usize, char)| {
-        let before = (at > 0 && (digits.len() - at).is_multiple_of(3)).then_some(',');
-        before.into_iter().chain([digit])
-    };
-    digits.chars().enumerate().flat_map(comma).collect()
-}
-
-/// `1 piece`, `2 pieces`.
-pub fn counted(number: usize, what: &str) -> String {
-    format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
 }
 
 /// Of the feed: most of the time held by the limit of turning.

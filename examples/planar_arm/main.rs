@@ -16,6 +16,7 @@ mod picture;
 use clap::Parser;
 use curvlay_examples::args::{Common, Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -129,7 +130,7 @@ fn learned(
     let svm = Svm::train(samples, &SvmOptions::default())
         .map_err(|error| Failure::new(format!("{name} samples: {error}; --initial or --samples is too small")))?;
     let wrong = drawing.map(&Map {
-        title: format!("{name}: {} samples, {} kernels", samples.len(), svm.kernels()),
+        title: format!("{name}: {}, {}", counted(samples.len(), "sample"), counted(svm.kernels(), "kernel")),
         axes: ["place on the path", "direction of the last link"],
         range: ALONG,
         joints: &on_path,

@@ -4,6 +4,7 @@ use super::ways::{Found, Ways, sought};
 use super::{Args, Avoid, Base, workcell};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
@@ -117,7 +118,7 @@ fn tuning(args: &Args, head: Option<Head>) -> TuningOptions {
         // What is in the first layer lies on the platform.
         platform: args.layer_height,
         perturbations: args.perturbations,
-        max_offset: args.max_offset,
+        max_offset: args.max_offset_share,
         max_turn: args.max_turn_deg.to_radians(),
         max_section: args.max_section,
         candidates: usize::from(args.candidates),
@@ -126,7 +127,7 @@ fn tuning(args: &Args, head: Option<Head>) -> TuningOptions {
         halvings: args.halvings,
         keep_sections_apart: args.keep_sections_apart,
         max_parts: usize::from(args.max_parts),
-        min_piece: args.min_part,
+        min_piece: args.min_part_share,
         head,
         strength: args.strength(),
         ..TuningOptions::default()
@@ -157,7 +158,8 @@ pub fn reason(left: &Left) -> String {
 fn no_root(error: RoboFdmError) -> Failure {
     match error {
         RoboFdmError::Root { root, parts } => Failure::of_arguments(format!(
-            "--root {root}: there are {parts} segments, from 0 to {}; a run without --root draws them with their numbers (segments.png)",
+            "--root {root}: the mesh has {}, from 0 to {}; a run without --root draws them with their numbers (segments.png)",
+            counted(parts, "segment"),
             parts.saturating_sub(1)
         )),
         other => other.into(),
@@ -297,7 +299,7 @@ impl Divided {
             findings.add(Severity::Warning, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
         }
         for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
-            let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);
+            let amount = format!("{}, {:.2} mm at most", counted(contacts, "place"), audit.deepest_contact_mm);
             findings.add(Severity::Failed, "the head is in what stands", amount, format!("part {}", part + 1));
         }
         for &part in audit.looking_down.iter().filter(|_| self.head.is_none()) {

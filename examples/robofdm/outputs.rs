@@ -238,7 +238,7 @@ fn of_options(args: &Args, divided: &Divided, summary: &mut Summary) -> Result<(
         .set("method", typed_name(args.method))?
         .set("avoid", typed_name(args.avoid))?
         .set("perturbations", args.perturbations)?
-        .set("max_offset", args.max_offset)?
+        .set("max_offset", args.max_offset_share)?
         .set("max_turn_deg", args.max_turn_deg)?
         .set("max_section", args.max_section)?
         .set("candidates", args.candidates)?

@@ -5,6 +5,7 @@ use super::volumes::{Divided, PART};
 use super::{Args, Shape, drawing};
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{Printed, is_program};
@@ -288,9 +289,10 @@ fn report(args: &Args, divided: &[Divided], findings: &Findings) -> Report {
             .collect();
         let all = of.result.parts.len();
         let counts = (1..=all).filter(|&count| count == all || count < SHOWN);
-        let built: Vec<(String, Vec<u8>)> =
-            counts.map(|count| (format!("{count} of {all} parts printed"), drawing::parts(of, count))).collect();
-        let printed = vec![(format!("{} layers, as audited and printed", of.layers()), drawing::layers(of))];
+        let built: Vec<(String, Vec<u8>)> = counts
+            .map(|count| (format!("{count} of {} printed", counted(all, "part")), drawing::parts(of, count)))
+            .collect();
+        let printed = vec![(format!("{}, as audited and printed", counted(of.layers(), "layer")), drawing::layers(of))];
         for pictures in [drawn, built, printed] {
             let pairs: Vec<(&str, &[u8])> =
                 pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();

@@ -110,7 +110,7 @@ impl PartInCells {
             origin: grid.origin(),
             platform: &self.platform,
             rules: Rules {
-                inside_depth_cells: options.eps,
+                inside_depth_cells: options.eps_cells,
                 boundary_is_inside: !options.beyond_eps,
                 ..Rules::default()
             },

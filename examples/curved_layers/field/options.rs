@@ -13,7 +13,7 @@ pub struct FieldOptions {
     /// None for cells that follow from the layer height.
     pub resolution: Option<Resolution>,
     /// Depth inside the hull from which a cell counts as shadowed, in cells.
-    pub eps: f64,
+    pub eps_cells: f64,
     /// Whether a cell at exactly that depth does not count.
     pub beyond_eps: bool,
     pub platform_diameter_mm: f64,

@@ -7,6 +7,7 @@ use crate::complete::LayersBy;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::{Failure, Part, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
 use curvlay_examples::report::Report;
@@ -154,16 +155,16 @@ fn of_order_options(args: &Args, run: &FieldRun, summary: &mut Summary) -> Resul
         .set("beyond_eps", args.grow.beyond_eps)?
         .set("layers_by", typed_name(args.layers_by()))?
         .set("nozzle_growth", nozzle_growth)?
-        .set("nozzle_max_tilt_deg", args.complete.max_tilt)?
+        .set("nozzle_max_tilt_deg", args.complete.max_tilt_deg)?
         .set(
             "max_layer_tilt_deg",
             args.complete.max_layer_tilt_deg.map_or("nozzle".to_owned(), |tilt| tilt.to_string()),
         )?
-        .set("nozzle_margin_cells", args.complete.nozzle_margin)?
+        .set("nozzle_margin_cells", args.complete.nozzle_margin_cells)?
         .set("support", support)?
-        .set("support_width_cells", args.complete.support_width)?
-        .set("support_contact_cells", args.complete.support_contact)?
-        .set("support_gap_cells", args.complete.support_gap)?
+        .set("support_width_cells", args.complete.support_width_cells)?
+        .set("support_contact_cells", args.complete.support_contact_cells)?
+        .set("support_gap_cells", args.complete.support_gap_cells)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
         .set("base", named(&args.base))?
         .set("directions", named(&args.directions))?
@@ -253,10 +254,10 @@ fn support_row(run: &FieldRun) -> String {
     match (run.support.len(), run.straight_cells) {
         (0, _) if run.support_mm3() > 0.0 => format!("{:.1} mm3 in cells of the part", run.support_mm3()),
         (0, _) => "none".to_owned(),
-        (cells, 0) => format!("{cells} cells, {:.1} mm3", run.support_mm3()),
+        (cells, 0) => format!("{}, {:.1} mm3", counted(cells, "cell"), run.support_mm3()),
         (cells, straight) => {
             let share = 100.0 * cells as f64 / straight as f64;
-            format!("{cells} cells, {:.1} mm3; {share:.0} % of straight columns", run.support_mm3())
+            format!("{}, {:.1} mm3; {share:.0} % of straight columns", counted(cells, "cell"), run.support_mm3())
         }
     }
 }
@@ -265,7 +266,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
     let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
     let [nx, ny, nz] = grid.dims();
     table
-        .row(["part".to_owned(), format!("{}, {} triangles", part.name, part.mesh.triangles.len())])
+        .row(["part".to_owned(), format!("{}, {}", part.name, counted(part.mesh.triangles.len(), "triangle"))])
         .row(["cells".to_owned(), format!("{} of {:.4} mm, grid {nx} x {ny} x {nz}", grid.count(), grid.cell_mm())])
         .row(["strategy".to_owned(), format!("{}: {}", typed_name(args.grow.strategy), run.strategy)])
         .row(["platform".to_owned(), platform_row(run)])
@@ -282,7 +283,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
                 run.undecided()
             ),
         ])
-        .row(["by the nozzle".to_owned(), format!("{} cells", growth.nozzle.len())])
+        .row(["by the nozzle".to_owned(), counted(growth.nozzle.len(), "cell")])
         .row(["support".to_owned(), support_row(run)])
         .row([
             "small patches".to_owned(),
@@ -317,7 +318,8 @@ fn reach(args: &Args, run: &FieldRun) -> String {
     let (by_nozzle, built) = (run.growth.nozzle.len(), run.growth.order.cells().len());
     let missed = match run.growth.missed.len() {
         0 => String::new(),
-        missed => format!(" {missed} cells are in no layer."),
+        1 => " One cell is in no layer.".to_owned(),
+        missed => format!(" {} are in no layer.", counted(missed, "cell")),
     };
     let depth = if args.grow.beyond_eps { "at most" } else { "less than" };
     let by_hull = format!(

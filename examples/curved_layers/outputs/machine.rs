@@ -9,6 +9,7 @@ use crate::machine::{MachineRun, to_lay_mm3};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -264,7 +265,10 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
         .row(["travels".to_owned(), travels(run)])
         .row(["unsupported".to_owned(), on_nothing(run)])
         .row(["skin".to_owned(), skin(run)])
-        .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
+        .row([
+            "machine file".to_owned(),
+            format!("{}, {:.1} MB", counted(written.lines, "line"), written.bytes as f64 / 1e6),
+        ])
         .row([
             "time".to_owned(),
             format!(
@@ -294,7 +298,7 @@ fn limits(run: &MachineRun) -> String {
 
 fn gouging_row(resolved: &ResolvedPaths) -> String {
     let (before, after) = (resolved.gouging_before, resolved.left.len());
-    let mut row = format!("{before} waypoints before, {after} after");
+    let mut row = format!("{} before, {after} after", counted(before, "waypoint"));
     if !resolved.left_out.is_empty() {
         row += &format!("; pieces of paths left out: {}", resolved.left_out.len());
     }
@@ -304,13 +308,13 @@ fn gouging_row(resolved: &ResolvedPaths) -> String {
 fn on_nothing(run: &MachineRun) -> String {
     let support = &run.support;
     format!(
-        "{:.1} mm of bead, {}, in {} pieces of at most {:.1} mm; {:.1} mm in {} spans of at most {:.1} mm",
+        "{:.1} mm of bead, {}, in {} of at most {:.1} mm; {:.1} mm in {} of at most {:.1} mm",
         support.unsupported_mm(),
         percent(support.unsupported_share()),
-        support.unsupported.len(),
+        counted(support.unsupported.len(), "piece"),
         support.longest_mm(),
         support.span_mm(),
-        support.spans.len(),
+        counted(support.spans.len(), "span"),
         support.longest_span_mm()
     )
 }

@@ -3,6 +3,7 @@
 
 use super::fault::{MeshFault, Place, finite, printable, quoted, syntax, unmarked};
 use super::weld::Welder;
+use crate::count::counted;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 use std::io::Cursor;
@@ -98,7 +99,12 @@ fn check_header(header: &Header, bytes_left: usize) -> Result<(), MeshFault> {
     for def in header.elements.values() {
         // Every element takes a byte at least, so a larger count is a lie.
         if def.count > bytes_left {
-            let what = format!("the header promises {} of {} in {bytes_left} bytes", def.count, quoted(&def.name));
+            let what = format!(
+                "the header promises {} of {} in {}",
+                def.count,
+                quoted(&def.name),
+                counted(bytes_left, "byte")
+            );
             return Err(in_header(what));
         }
         if def.properties.is_empty() && def.count > 0 {
