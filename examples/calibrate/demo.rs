@@ -20,7 +20,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The same as the calibrated arm has it: base and flange of a fit are not where those of the arm are, since poses do not tell the
+    /// The same as the calibrated arm has it: base and flange of a fit are not where those of the arm are, since poses do not distinguish the
     /// offsets of joints 1 and 6 from them.
     pub fn tip_by(&self, fit: Option<&ArmFit>) -> Point3<f64> {
         match fit {

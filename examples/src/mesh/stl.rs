@@ -5,7 +5,7 @@ use super::weld::Welder;
 
 /// Header and count.
 const HEAD: usize = 84;
-/// Normal, three corners, and two bytes that nobody agrees on.
+/// Normal, three corners, and two bytes whose meaning differs from program to program.
 const TRIANGLE: usize = 50;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {

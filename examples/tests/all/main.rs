@@ -20,6 +20,7 @@ mod mesh_formats;
 mod mesh_to_gcode;
 mod mesh_to_robot;
 mod motion;
+mod options;
 mod output;
 mod plain_data;
 mod planar_arm;

@@ -114,7 +114,7 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
     }
 }
 
-/// `WaitDI doTapeReady,1;`. Only the inputs of a tape head become steps: of others nobody knows what they are for.
+/// `WaitDI doTapeReady,1;`. Only the inputs of a tape head become steps: what others are for is unknown.
 fn wait_digital(
     tokens: &mut Tokens<impl BufRead>,
     data: &mut Data,
@@ -204,7 +204,7 @@ fn passed_or_called(
     Err(tokens.unexpected_at(place, KNOWN, &word))
 }
 
-/// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What nobody has set is as on a
+/// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What is not set is as on a
 /// controller: all of the arm's acceleration.
 fn acceleration(
     tokens: &mut Tokens<impl BufRead>,

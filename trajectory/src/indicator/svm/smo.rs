@@ -104,7 +104,7 @@ impl Dual {
         (most - least, second.1)
     }
 
-    /// Moves two coefficients as far as the objective falls and their limits allow. Along y: `a_i` grows by `y_i d`, `a_j` shrinks by `y_j d`.
+    /// Moves two coefficients until the objective falls no more or one is at its limit. Along y: `a_i` grows by `y_i d`, `a_j` shrinks by `y_j d`.
     fn step<const N: usize>(&mut self, rows: &Rows<'_, N>, most: f64, [(i, row_i), (j, row_j)]: [(usize, usize); 2]) {
         let Dual { cost, y, alphas, gradient } = self;
         let cost = *cost;
