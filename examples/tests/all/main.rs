@@ -22,6 +22,7 @@ mod mesh_to_robot;
 mod motion;
 mod options;
 mod output;
+mod pages;
 mod plain_data;
 mod planar_arm;
 mod ranges;
