@@ -40,10 +40,32 @@ pub fn largest_rectangle(region: &Region) -> Option<[Point2<f64>; 2]> {
 
 /// The largest rectangle of cells that no edge touches.
 fn of_cells(edges: &[[Point2<f64>; 2]], low: Point2<f64>, cell: Vector2<f64>) -> Option<[Point2<f64>; 2]> {
+    let grid = Grid { edges, low, cell };
     let mut free = vec![false; CELLS * CELLS];
-    for row in 0..CELLS {
+    for (row, free) in free.chunks_exact_mut(CELLS).enumerate() {
+        grid.mark_inside(row, free);
+        grid.clear_edges(row, free);
+    }
+    largest_free(&free).map(|[x0, y0, x1, y1]| {
+        let corner = |x: usize, y: usize| low + Vector2::new(x as f64 * cell.x, y as f64 * cell.y);
+        [corner(x0, y0), corner(x1, y1)]
+    })
+}
+
+/// The cells over the bounds of a region.
+struct Grid<'a> {
+    edges: &'a [[Point2<f64>; 2]],
+    low: Point2<f64>,
+    cell: Vector2<f64>,
+}
+
+impl Grid<'_> {
+    /// Marks the cells of a row whose middle lies in the region: between an odd crossing of the row's middle line with edges and the next one.
+    fn mark_inside(&self, row: usize, free: &mut [bool]) {
+        let (low, cell) = (self.low, self.cell);
         let y = low.y + (row as f64 + 0.5) * cell.y;
-        let mut crossings: Vec<f64> = edges
+        let mut crossings: Vec<f64> = self
+            .edges
             .iter()
             .filter(|[a, b]| (a.y > y) != (b.y > y))
             .map(|[a, b]| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)))
@@ -54,12 +76,16 @@ fn of_cells(edges: &[[Point2<f64>; 2]], low: Point2<f64>, cell: Vector2<f64>) ->
             let last = ((pair[1] - low.x) / cell.x).ceil().max(0.0) as usize;
             for column in first.min(CELLS)..last.min(CELLS) {
                 let x = low.x + (column as f64 + 0.5) * cell.x;
-                free[row * CELLS + column] |= x > pair[0] && x < pair[1];
+                free[column] |= x > pair[0] && x < pair[1];
             }
         }
-        // Cells of the row that an edge runs through.
+    }
+
+    /// Clears the cells of a row that an edge runs through: a cell without edges lies in the region as a whole if its middle does.
+    fn clear_edges(&self, row: usize, free: &mut [bool]) {
+        let (low, cell) = (self.low, self.cell);
         let [bottom, top] = [low.y + row as f64 * cell.y, low.y + (row as f64 + 1.0) * cell.y];
-        for [a, b] in edges {
+        for [a, b] in self.edges {
             let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
             if b.y < bottom || a.y > top {
                 continue;
@@ -74,11 +100,17 @@ fn of_cells(edges: &[[Point2<f64>; 2]], low: Point2<f64>, cell: Vector2<f64>) ->
             }
             let first = ((ends[0].min(ends[1]) - low.x + slack) / cell.x).floor().max(0.0) as usize;
             let last = ((ends[0].max(ends[1]) - low.x - slack) / cell.x).ceil().max(0.0) as usize;
-            let row_of = &mut free[row * CELLS..(row + 1) * CELLS];
-            row_of[first.min(CELLS)..last.max(first).min(CELLS)].fill(false);
+            free[first.min(CELLS)..last.max(first).min(CELLS)].fill(false);
         }
     }
+}
+
+/// The largest rectangle of free cells, as first column and row and those behind its last ones. Row by row: for each column `heights` says how
+/// many cells are free in succession up to this row, and `open` has columns of rising height. A column is taken from it when a lower one comes:
+/// the widest rectangle of its height then ends.
+fn largest_free(free: &[bool]) -> Option<[usize; 4]> {
     let (mut best, mut best_area) = (None, 0);
+    // One column more, of no height, at which all that is open ends.
     let mut heights = vec![0_usize; CELLS + 1];
     for row in 0..CELLS {
         for column in 0..CELLS {
@@ -97,10 +129,7 @@ fn of_cells(edges: &[[Point2<f64>; 2]], low: Point2<f64>, cell: Vector2<f64>) ->
             open.push(column);
         }
     }
-    best.map(|[x0, y0, x1, y1]| {
-        let corner = |x: usize, y: usize| low + Vector2::new(x as f64 * cell.x, y as f64 * cell.y);
-        [corner(x0, y0), corner(x1, y1)]
-    })
+    best
 }
 
 /// Whether no edge meets the open rectangle, given as `x0, y0, x1, y1`.
