@@ -74,9 +74,9 @@ impl Grid<'_> {
         for pair in crossings.chunks_exact(2) {
             let first = ((pair[0] - low.x) / cell.x).floor().max(0.0) as usize;
             let last = ((pair[1] - low.x) / cell.x).ceil().max(0.0) as usize;
-            for column in first.min(CELLS)..last.min(CELLS) {
+            for (column, free) in free.iter_mut().enumerate().take(last).skip(first) {
                 let x = low.x + (column as f64 + 0.5) * cell.x;
-                free[column] |= x > pair[0] && x < pair[1];
+                *free |= x > pair[0] && x < pair[1];
             }
         }
     }
