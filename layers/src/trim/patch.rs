@@ -146,6 +146,7 @@ impl Patch {
         rise: i32,
         mut cross: impl FnMut([u32; 2], f64),
     ) -> Result<(), Tangled> {
+        // On the grid crossings are rounded, and may make new ones; few do.
         let mut budget = PATIENCE * (self.points.len() + PATIENCE);
         let mut waiting = std::mem::take(&mut self.waiting);
         waiting.clear();
@@ -163,6 +164,7 @@ impl Patch {
                 Obstacle::Point(point) => detour([a, b], rise, point),
                 Obstacle::Segment(half) => {
                     let (other, other_rise) = (self.ends(half), self.rise[half as usize]);
+                    // The other segment is taken up and laid again in two parts through the crossing.
                     self.raise(half, -other_rise);
                     let (at, share) = self.crossing([a, b], other);
                     let before = self.points.len();
@@ -268,12 +270,14 @@ impl Patch {
             at += 1;
             let (half, _) = self.edge(p, q).ok_or(Tangled)?;
             let (c, d) = self.apexes(half);
+            // The four corners are not convex: flips elsewhere will change that.
             if self.orient(c, d, p) * self.orient(c, d, q) >= 0 {
                 crossed.push([p, q]);
                 continue;
             }
             self.flip(half);
             let ends_there = [c, d].iter().any(|end| *end == a || *end == b);
+            // The new edge may cross the segment as well.
             if !ends_there && self.orient(a, b, c) * self.orient(a, b, d) < 0 {
                 crossed.push([c, d]);
             }
