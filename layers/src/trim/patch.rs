@@ -159,6 +159,7 @@ impl Patch {
             let mut detour = |[a, b]: [u32; 2], rise, over: u32| {
                 waiting.extend([Segment { ends: [a, over], rise }, Segment { ends: [over, b], rise }]);
             };
+            // Points in the way come first, then segments, then edges: what is cut into parts ends at points that are there.
             match self.obstacle(a, b) {
                 Obstacle::None(half, sense) => self.raise(half, sense * rise),
                 Obstacle::Point(point) => detour([a, b], rise, point),
@@ -416,6 +417,7 @@ impl Patch {
         let [a, b, c] = [half, half + 1, half + 2].map(|h| self.from[h as usize]);
         let outer = [half, half + 1, half + 2].map(|h| self.outer(h));
         let n = self.from.len() as u32;
+        // The first piece keeps the triangle's number, so that half-edges that point to it hold.
         self.put(t, [a, b, p], [outer[0], (n + 2, 0), (n + 4, 0)]);
         self.put(n / 3, [b, c, p], [outer[1], (n + 5, 0), (half + 1, 0)]);
         self.put(n / 3 + 1, [c, a, p], [outer[2], (half + 2, 0), (n + 1, 0)]);
@@ -439,6 +441,7 @@ impl Patch {
         self.put(t, [a, p, c], [(first, rise), (n + 2, 0), ca]);
         self.put(n / 3, [p, b, c], [(second, rise), bc, (3 * t + 1, 0)]);
         if let Some((other, d, ad, db)) = right {
+            // Seen from the other side the number falls by what it rises here.
             self.put(other, [p, a, d], [(3 * t, -rise), ad, (n + 4, 0)]);
             self.put(n / 3 + 1, [b, p, d], [(n, -rise), (3 * other + 2, 0), db]);
         }

@@ -385,6 +385,7 @@ impl<'m> WaveFront<'m> {
         let Some(&middle) = lit.get(lit.len() / 2) else { return };
         let edge = self.mesh.edge(half_edge);
         if edge != half_edge {
+            // The envelope keeps windows along the lower half-edge.
             lit.reverse();
             lit.iter_mut().for_each(|window| *window = window.reversed(length));
         }
@@ -394,8 +395,10 @@ impl<'m> WaveFront<'m> {
         if !gained || enters == NONE {
             return;
         }
+        // The window in the middle stands for all that were lit together.
         let key = middle.wave().at(0.5 * length);
         let queued = &mut self.queued[enters as usize];
+        // Within a bucket it would not come sooner: one entry less.
         if key < *queued - self.queue.width() {
             *queued = key;
             self.queue.push(key, enters);
