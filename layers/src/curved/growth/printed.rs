@@ -75,65 +75,48 @@ pub fn grow_as_printed(
     }
     let mut front = Front::new(cells, platform, rules)?;
     front.build_all(&first)?;
+    let mut statistics = GrowthStatistics::default();
     let offsets = rules.neighbours.offsets();
-    let mut printing = Printing { front, prevention, offsets, statistics: GrowthStatistics::default() };
     let total = cells.count() as u64;
     let mut built = CellSet::none(cells);
     first.iter().for_each(|&cell| _ = built.insert(cell));
     let sheets: BTreeSet<u32> = cells.iter().map(|cell| governor.value(cell)).collect();
     let mut next_sheet = sheets.first().copied();
     while let Some(threshold) = next_sheet {
-        let layers_before = printing.front.order.len();
-        // At a new threshold the front is all that is built.
+        let layers_before = front.order.len();
         let mut last: Vec<u32> = built.iter().collect();
         loop {
-            let next = candidates(&printing.front, &last, offsets, |cell| governor.value(cell) <= threshold);
+            let next = candidates(&front, &last, offsets, |cell| governor.value(cell) <= threshold);
             if next.is_empty() {
                 break;
             }
-            last = printing.layer(&next)?;
+            let layers = front.order.len();
+            let selection = match prevention {
+                Prevention::Incremental => prevention::incremental(&mut front, &next, offsets, Protected::All)?,
+                Prevention::Adaptive => prevention::adaptive(&mut front, &next, Protected::All)?,
+                _ => Selection::take_all(&mut front, &next)?,
+            };
+            front.forget_blocking();
+            statistics.trials += selection.trials;
+            statistics.whole_layers += u64::from(selection.whole);
+            if front.order.len() == layers {
+                statistics.sacrifices += 1;
+                front.build_all(&next)?;
+            }
+            last = front.order.layer(layers).to_vec();
             last.iter().for_each(|&cell| _ = built.insert(cell));
-            let done = printing.front.order.cells().len() as u64;
+            let done = front.order.cells().len() as u64;
             if progress(Progress { stage: "grow", done, total }).is_break() {
                 return Err(GrowthError::Cancelled);
             }
         }
         // A sheet without cells tries those that were held back again; where nothing came of one, nothing does before the next with cells.
-        let has_built = printing.front.order.len() > layers_before;
+        let has_built = front.order.len() > layers_before;
         let least = threshold.checked_add(1).filter(|&least| sheets.last().is_some_and(|&last| least <= last));
         next_sheet =
             least.and_then(|least| if has_built { Some(least) } else { sheets.range(least..).next().copied() });
     }
-    Ok(printing.front.finish(cells, platform, rules, printing.statistics))
-}
-
-/// A growth on its way.
-struct Printing {
-    front: Front,
-    prevention: Prevention,
-    offsets: &'static [[i32; 3]],
-    statistics: GrowthStatistics,
-}
-
-impl Printing {
-    /// Builds the next layer of candidates and gives its cells: those that do no harm, or all of them if each does.
-    fn layer(&mut self, candidates: &[u32]) -> Result<Vec<u32>, GrowthError> {
-        let front = &mut self.front;
-        let layers = front.order.len();
-        let selection = match self.prevention {
-            Prevention::Incremental => prevention::incremental(front, candidates, self.offsets, Protected::All)?,
-            Prevention::Adaptive => prevention::adaptive(front, candidates, Protected::All)?,
-            _ => Selection::take_all(front, candidates)?,
-        };
-        front.forget_blocking();
-        self.statistics.trials += selection.trials;
-        self.statistics.whole_layers += u64::from(selection.whole);
-        if front.order.len() == layers {
-            self.statistics.sacrifices += 1;
-            front.build_all(candidates)?;
-        }
-        Ok(front.order.layer(layers).to_vec())
-    }
+    Ok(front.finish(cells, platform, rules, statistics))
 }
 
 /// The neighbours of a layer that are neither built nor lost and that `may` be built, by rising number.

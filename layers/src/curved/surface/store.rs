@@ -324,12 +324,58 @@ impl SavedField {
     /// As [`SavedField::read`].
     pub fn read_within(max_grid: u64, source: impl BufRead) -> Result<Self, ReadFieldError> {
         let mut lines = Lines { source, line: 0, text: String::new() };
-        let head = lines.head(max_grid)?;
-        let read = lines.values(&head)?;
-        let aids = lines.aids(&read, head.grid)?;
-        head.check_size(&read)?;
-        // Memory for the whole grid is taken here at the earliest: until now it was for what the file holds.
-        let Head { mesh, dims, grid, cell_mm, origin, layer_cells, steps, half_layers } = head;
+        lines.next()?;
+        if lines.text != "curvlay field 1" {
+            return Err(lines.unlike("`curvlay field 1`"));
+        }
+        let mesh =
+            lines.keyed("mesh", "`mesh` and 16 hexadecimal digits", |text| u64::from_str_radix(text, 16).ok())?;
+        let dims = lines.keyed("grid", "`grid` and three numbers of cells", three::<u32>)?;
+        let grid = dims.iter().fold(1u64, |product, &side| product.saturating_mul(u64::from(side)));
+        if grid > max_grid {
+            return Err(ReadFieldError::GridTooLarge { grid, limit: max_grid });
+        }
+        let cell_mm =
+            lines.keyed("cell_mm", "`cell_mm` and a length above 0", |text| number(text).filter(|&mm| mm > 0.0))?;
+        let origin = lines.keyed("origin_mm", "`origin_mm` and three finite numbers", |text| {
+            three(text).filter(|at: &[f64; 3]| at.iter().all(|c| c.is_finite()))
+        })?;
+        let (layer_cells, steps) = lines.keyed("layer_cells", "`layer_cells`, a number and perhaps steps", |text| {
+            let (layer_cells, steps) = text.split_once(' ').unwrap_or((text, "1"));
+            Some((number(layer_cells)?, steps.parse::<u32>().ok().filter(|steps| (1..=MAX_STEPS).contains(steps))?))
+        })?;
+        lines.next()?;
+        let half_layers = lines.value_of("half_layers", |text| number(text).filter(|&heights| heights >= 1.0));
+        if half_layers.is_some() {
+            lines.next()?;
+        }
+        let count = lines.value_of("cells", |text| text.parse::<usize>().ok());
+        let count = count.ok_or_else(|| lines.unlike("`cells` and their number"))?;
+        let mut read: Vec<(u32, f64)> = Vec::new();
+        for _ in 0..count {
+            lines.next()?;
+            let found = lines.text.split_once(' ').and_then(|(cell, value)| {
+                let value = if value == "-" { f64::NAN } else { number(value)? };
+                Some((cell.parse::<u32>().ok()?, value))
+            });
+            let Some((cell, value)) = found else {
+                return Err(lines.unlike("a cell and its value, or `-` for none,"));
+            };
+            if u64::from(cell) >= grid || read.last().is_some_and(|last| last.0 >= cell) {
+                return Err(ReadFieldError::Cell { line: lines.line, cell, grid });
+            }
+            read.push((cell, value));
+        }
+        let aids = lines.aids(&read, grid)?;
+        let [per_cell, extra] = MAX_GRID;
+        if grid > per_cell.saturating_mul(read.len() as u64).saturating_add(extra) {
+            return Err(ReadFieldError::Sparse { grid, cells: read.len() });
+        }
+        let highest = read.iter().map(|&(_, value)| value).fold(0.0, f64::max);
+        let [per_cell, extra] = MAX_HEIGHT;
+        if highest.max(1.0) * layer_cells > per_cell * read.len() as f64 + extra {
+            return Err(ReadFieldError::TooHigh { highest, layer_cells, cells: read.len() });
+        }
         let words = (dims[0].div_ceil(64) as usize).saturating_mul(dims[1] as usize).saturating_mul(dims[2] as usize);
         let mut rows = vec![0; words];
         let mut values = vec![f64::NAN; grid as usize];
@@ -354,37 +400,6 @@ fn three<T: std::str::FromStr>(text: &str) -> Option<[T; 3]> {
     parts.next().is_none().then_some(three)
 }
 
-/// What stands before the cells.
-struct Head {
-    mesh: u64,
-    dims: [u32; 3],
-    /// Cells of the grid, empty ones included.
-    grid: u64,
-    cell_mm: f64,
-    origin: [f64; 3],
-    layer_cells: f64,
-    steps: u32,
-    half_layers: Option<f64>,
-}
-
-impl Head {
-    /// Refuses files for which far more memory or time would be taken than their length accounts for: a grid that is nearly empty, and
-    /// values that make many more layers than cells.
-    fn check_size(&self, read: &[(u32, f64)]) -> Result<(), ReadFieldError> {
-        let cells = read.len();
-        let [per_cell, extra] = MAX_GRID;
-        if self.grid > per_cell.saturating_mul(cells as u64).saturating_add(extra) {
-            return Err(ReadFieldError::Sparse { grid: self.grid, cells });
-        }
-        let highest = read.iter().map(|&(_, value)| value).fold(0.0, f64::max);
-        let [per_cell, extra] = MAX_HEIGHT;
-        if highest.max(1.0) * self.layer_cells > per_cell * cells as f64 + extra {
-            return Err(ReadFieldError::TooHigh { highest, layer_cells: self.layer_cells, cells });
-        }
-        Ok(())
-    }
-}
-
 /// The lines of a source, known by their numbers.
 struct Lines<R> {
     source: R,
@@ -406,58 +421,6 @@ impl<R: BufRead> Lines<R> {
         let text = self.text.trim_end_matches(['\n', '\r']).len();
         self.text.truncate(text);
         Ok(())
-    }
-
-    /// The lines before the cells, and then goes on to the line with the number of cells.
-    fn head(&mut self, max_grid: u64) -> Result<Head, ReadFieldError> {
-        self.next()?;
-        if self.text != "curvlay field 1" {
-            return Err(self.unlike("`curvlay field 1`"));
-        }
-        let mesh = self.keyed("mesh", "`mesh` and 16 hexadecimal digits", |text| u64::from_str_radix(text, 16).ok())?;
-        let dims = self.keyed("grid", "`grid` and three numbers of cells", three::<u32>)?;
-        let grid = dims.iter().fold(1u64, |product, &side| product.saturating_mul(u64::from(side)));
-        if grid > max_grid {
-            return Err(ReadFieldError::GridTooLarge { grid, limit: max_grid });
-        }
-        let cell_mm =
-            self.keyed("cell_mm", "`cell_mm` and a length above 0", |text| number(text).filter(|&mm| mm > 0.0))?;
-        let origin = self.keyed("origin_mm", "`origin_mm` and three finite numbers", |text| {
-            three(text).filter(|at: &[f64; 3]| at.iter().all(|c| c.is_finite()))
-        })?;
-        let (layer_cells, steps) = self.keyed("layer_cells", "`layer_cells`, a number and perhaps steps", |text| {
-            let (layer_cells, steps) = text.split_once(' ').unwrap_or((text, "1"));
-            Some((number(layer_cells)?, steps.parse::<u32>().ok().filter(|steps| (1..=MAX_STEPS).contains(steps))?))
-        })?;
-        self.next()?;
-        let half_layers = self.value_of("half_layers", |text| number(text).filter(|&heights| heights >= 1.0));
-        if half_layers.is_some() {
-            self.next()?;
-        }
-        Ok(Head { mesh, dims, grid, cell_mm, origin, layer_cells, steps, half_layers })
-    }
-
-    /// The cells that begin at this line, with their values; `NaN` where a cell has none. Cells come by rising number, so that none comes twice.
-    fn values(&mut self, head: &Head) -> Result<Vec<(u32, f64)>, ReadFieldError> {
-        let count = self.value_of("cells", |text| text.parse::<usize>().ok());
-        let count = count.ok_or_else(|| self.unlike("`cells` and their number"))?;
-        // Not with the capacity that the file announces: it may have no such lines.
-        let mut read: Vec<(u32, f64)> = Vec::new();
-        for _ in 0..count {
-            self.next()?;
-            let found = self.text.split_once(' ').and_then(|(cell, value)| {
-                let value = if value == "-" { f64::NAN } else { number(value)? };
-                Some((cell.parse::<u32>().ok()?, value))
-            });
-            let Some((cell, value)) = found else {
-                return Err(self.unlike("a cell and its value, or `-` for none,"));
-            };
-            if u64::from(cell) >= head.grid || read.last().is_some_and(|last| last.0 >= cell) {
-                return Err(ReadFieldError::Cell { line: self.line, cell, grid: head.grid });
-            }
-            read.push((cell, value));
-        }
-        Ok(read)
     }
 
     /// Goes on to the next line, which is `key` and something that `value` takes.

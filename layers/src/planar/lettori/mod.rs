@@ -36,7 +36,7 @@ mod wall;
 
 use super::{Partition, Solid};
 use crate::{Progress, ProgressFn};
-use layers::{Layered, Stand, analyse};
+use layers::{Stand, analyse};
 use nalgebra::Vector3;
 use regions::first_region;
 use take::{Strategy, Work};
@@ -163,104 +163,60 @@ fn divide(
     progress: ProgressFn,
 ) -> Result<(Score, VolumeDecomposition), VolumeError> {
     let base = solid.extent(&direction)[0];
+    let mut score = Score { overhang_mm3: 0.0, blocked_mm3: 0.0, parts: 0 };
+    let mut result = VolumeDecomposition {
+        parts: Vec::new(),
+        separations: Vec::new(),
+        features: Vec::new(),
+        overhang_before_mm3: 0.0,
+        stuck: Vec::new(),
+    };
+    let mut partition = Partition::new(solid);
     let plate = Plate { normal: direction, offset: base };
     let stand = Stand { direction, base, on_plate: true };
-    let mut dividing = Dividing {
-        plate,
-        strategy,
-        options,
-        partition: Partition::new(solid),
-        open: vec![Open { cell: 0, stand, separation: None }],
-        score: Score { overhang_mm3: 0.0, blocked_mm3: 0.0, parts: 0 },
-        result: VolumeDecomposition {
-            parts: Vec::new(),
-            separations: Vec::new(),
-            features: Vec::new(),
-            overhang_before_mm3: 0.0,
-            stuck: Vec::new(),
-        },
-    };
-    while let Some(part) = dividing.open.pop() {
-        let done = dividing.result.parts.len() as u64;
-        if progress(Progress { stage: "decompose", done, total: done + 1 + dividing.open.len() as u64 }).is_break() {
+    let mut open = vec![Open { cell: 0, stand, separation: None }];
+    while let Some(part) = open.pop() {
+        let done = result.parts.len() as u64;
+        if progress(Progress { stage: "decompose", done, total: done + 1 + open.len() as u64 }).is_break() {
             return Err(VolumeError::Stopped);
         }
-        dividing.go_on(part);
-    }
-    Ok((dividing.score, dividing.result))
-}
-
-/// A decomposition on its way.
-struct Dividing<'a> {
-    plate: Plate,
-    strategy: Strategy,
-    options: &'a VolumeOptions,
-    /// The solid in cells; those of [`Dividing::open`] and of finished parts.
-    partition: Partition,
-    /// The last one is next: what stands on other parts lies below them in the stack, so that all that carries a part is finished before it.
-    open: Vec<Open>,
-    score: Score,
-    result: VolumeDecomposition,
-}
-
-impl Dividing<'_> {
-    /// Takes something off a part and leaves both open, or finishes it.
-    fn go_on(&mut self, part: Open) {
-        let Ok(own) = self.partition.part(part.cell) else {
+        let Ok(own) = partition.part(part.cell) else {
             // Cells are manifolds: they come from cuts, and merges of neighbours.
             debug_assert!(false, "a part is no manifold");
-            return;
+            continue;
         };
-        let parts = std::mem::take(&mut self.result.parts);
-        let earlier: Vec<&Solid> = parts.iter().map(|part| &part.solid).collect();
-        let layered = analyse(&own, &part.stand, &earlier, self.options);
+        let earlier: Vec<&Solid> = result.parts.iter().map(|part| &part.solid).collect();
+        let layered = analyse(&own, &part.stand, &earlier, options);
         let overhang_mm3 = layered.overhang_mm3();
-        // Before the first separation the part at hand is the whole solid.
-        if self.result.separations.is_empty() {
-            self.result.overhang_before_mm3 = overhang_mm3;
+        if result.separations.is_empty() {
+            result.overhang_before_mm3 = overhang_mm3;
         }
-        let blocked_mm3 = match self.take_off(&part, &own, &layered, &earlier) {
-            Step::Divided => None,
-            Step::Done(reason) => {
-                self.result.stuck.extend(reason.map(|reason| Stuck { part: parts.len(), reason }));
-                Some(blocked_mm3(&own, &part.stand, &earlier, &self.plate, self.options))
+        let region = first_region(&layered, options);
+        let mut stuck = None;
+        if let Some(region) = region {
+            let work = Work { cell: part.cell, stand: part.stand, own: &own, layered: &layered, region: &region };
+            let most = options.max_parts.saturating_sub(result.parts.len() + open.len() + 1);
+            let strategy = Strategy { most, ..strategy };
+            if let Some((step, rest, taken)) = work.take_off(&mut partition, &earlier, &plate, strategy, options) {
+                let number = result.separations.len();
+                result.separations.push(step);
+                // What was taken off last is printed first: what was cut off before leans on it.
+                open.extend(taken.into_iter().map(|(cell, stand)| Open { cell, stand, separation: Some(number) }));
+                open.push(Open { cell: rest, ..part });
+                continue;
+            } else {
+                let may_be_more = most >= MAX_AT_ONCE;
+                stuck = Some(if may_be_more { StuckReason::NoWall } else { StuckReason::TooManyParts });
             }
-        };
-        self.result.parts = parts;
-        if let Some(blocked_mm3) = blocked_mm3 {
-            self.score.overhang_mm3 += overhang_mm3;
-            self.score.blocked_mm3 += blocked_mm3;
-            self.score.parts += 1;
-            self.result.features.extend(&layered.features);
-            self.result.parts.push(VolumePart::of(own, layered, part.stand, part.separation));
         }
+        if let Some(reason) = stuck {
+            result.stuck.push(Stuck { part: result.parts.len(), reason });
+        }
+        score.overhang_mm3 += overhang_mm3;
+        score.blocked_mm3 += blocked_mm3(&own, &part.stand, &earlier, &plate, options);
+        score.parts += 1;
+        result.features.extend(&layered.features);
+        result.parts.push(VolumePart::of(own, layered, part.stand, part.separation));
     }
-
-    /// Takes the first overhang off, if there is any and a wall does for it.
-    fn take_off(&mut self, part: &Open, own: &Solid, layered: &Layered, earlier: &[&Solid]) -> Step {
-        let Some(region) = first_region(layered, self.options) else { return Step::Done(None) };
-        let work = Work { cell: part.cell, stand: part.stand, own, layered, region: &region };
-        let most = self.options.max_parts.saturating_sub(earlier.len() + self.open.len() + 1);
-        let strategy = Strategy { most, ..self.strategy };
-        let Some((step, rest, taken)) =
-            work.take_off(&mut self.partition, earlier, &self.plate, strategy, self.options)
-        else {
-            let may_be_more = most >= MAX_AT_ONCE;
-            return Step::Done(Some(if may_be_more { StuckReason::NoWall } else { StuckReason::TooManyParts }));
-        };
-        let number = self.result.separations.len();
-        self.result.separations.push(step);
-        // What was taken off last is printed first: what was cut off before leans on it.
-        self.open.extend(taken.into_iter().map(|(cell, stand)| Open { cell, stand, separation: Some(number) }));
-        self.open.push(Open { cell: rest, ..*part });
-        Step::Divided
-    }
-}
-
-/// What became of a part.
-enum Step {
-    /// It is two or more parts now, all open.
-    Divided,
-    /// It stays in one piece: since nothing hangs over, or for a reason.
-    Done(Option<StuckReason>),
+    Ok((score, result))
 }

@@ -40,32 +40,10 @@ pub fn largest_rectangle(region: &Region) -> Option<[Point2<f64>; 2]> {
 
 /// The largest rectangle of cells that no edge touches.
 fn of_cells(edges: &[[Point2<f64>; 2]], low: Point2<f64>, cell: Vector2<f64>) -> Option<[Point2<f64>; 2]> {
-    let grid = Grid { edges, low, cell };
     let mut free = vec![false; CELLS * CELLS];
-    for (row, free) in free.chunks_exact_mut(CELLS).enumerate() {
-        grid.mark_inside(row, free);
-        grid.clear_edges(row, free);
-    }
-    largest_free(&free).map(|[x0, y0, x1, y1]| {
-        let corner = |x: usize, y: usize| low + Vector2::new(x as f64 * cell.x, y as f64 * cell.y);
-        [corner(x0, y0), corner(x1, y1)]
-    })
-}
-
-/// The cells over the bounds of a region.
-struct Grid<'a> {
-    edges: &'a [[Point2<f64>; 2]],
-    low: Point2<f64>,
-    cell: Vector2<f64>,
-}
-
-impl Grid<'_> {
-    /// Marks the cells of a row whose middle lies in the region: between an odd crossing of the row's middle line with edges and the next one.
-    fn mark_inside(&self, row: usize, free: &mut [bool]) {
-        let (low, cell) = (self.low, self.cell);
+    for row in 0..CELLS {
         let y = low.y + (row as f64 + 0.5) * cell.y;
-        let mut crossings: Vec<f64> = self
-            .edges
+        let mut crossings: Vec<f64> = edges
             .iter()
             .filter(|[a, b]| (a.y > y) != (b.y > y))
             .map(|[a, b]| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)))
@@ -74,18 +52,14 @@ impl Grid<'_> {
         for pair in crossings.chunks_exact(2) {
             let first = ((pair[0] - low.x) / cell.x).floor().max(0.0) as usize;
             let last = ((pair[1] - low.x) / cell.x).ceil().max(0.0) as usize;
-            for (column, free) in free.iter_mut().enumerate().take(last).skip(first) {
+            for column in first.min(CELLS)..last.min(CELLS) {
                 let x = low.x + (column as f64 + 0.5) * cell.x;
-                *free |= x > pair[0] && x < pair[1];
+                free[row * CELLS + column] |= x > pair[0] && x < pair[1];
             }
         }
-    }
-
-    /// Clears the cells of a row that an edge runs through: a cell without edges lies in the region as a whole if its middle does.
-    fn clear_edges(&self, row: usize, free: &mut [bool]) {
-        let (low, cell) = (self.low, self.cell);
+        // Cells of the row that an edge runs through.
         let [bottom, top] = [low.y + row as f64 * cell.y, low.y + (row as f64 + 1.0) * cell.y];
-        for [a, b] in self.edges {
+        for [a, b] in edges {
             let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
             if b.y < bottom || a.y > top {
                 continue;
@@ -100,17 +74,11 @@ impl Grid<'_> {
             }
             let first = ((ends[0].min(ends[1]) - low.x + slack) / cell.x).floor().max(0.0) as usize;
             let last = ((ends[0].max(ends[1]) - low.x - slack) / cell.x).ceil().max(0.0) as usize;
-            free[first.min(CELLS)..last.max(first).min(CELLS)].fill(false);
+            let row_of = &mut free[row * CELLS..(row + 1) * CELLS];
+            row_of[first.min(CELLS)..last.max(first).min(CELLS)].fill(false);
         }
     }
-}
-
-/// The largest rectangle of free cells, as first column and row and those behind its last ones. Row by row: for each column `heights` says how
-/// many cells are free in succession up to this row, and `open` has columns of rising height. A column is taken from it when a lower one comes:
-/// the widest rectangle of its height then ends.
-fn largest_free(free: &[bool]) -> Option<[usize; 4]> {
     let (mut best, mut best_area) = (None, 0);
-    // One column more, of no height, at which all that is open ends.
     let mut heights = vec![0_usize; CELLS + 1];
     for row in 0..CELLS {
         for column in 0..CELLS {
@@ -129,7 +97,10 @@ fn largest_free(free: &[bool]) -> Option<[usize; 4]> {
             open.push(column);
         }
     }
-    best
+    best.map(|[x0, y0, x1, y1]| {
+        let corner = |x: usize, y: usize| low + Vector2::new(x as f64 * cell.x, y as f64 * cell.y);
+        [corner(x0, y0), corner(x1, y1)]
+    })
 }
 
 /// Whether no edge meets the open rectangle, given as `x0, y0, x1, y1`.

@@ -15,7 +15,7 @@ pub(super) struct Separated {
     pub rest: u32,
     /// What was taken off, and where it stands, in the inverse order of printing.
     pub taken: Vec<(u32, Stand)>,
-    /// How far back along the wall's normal the pieces reach that lost their hold; `None` without such pieces.
+    /// How far back along the wall's normal the pieces reach that lost their hold; none if there are none.
     pub floats_from: Option<f64>,
 }
 
@@ -32,68 +32,33 @@ pub(super) fn separate(
     region: &OverhangRegion,
     base: f64,
 ) -> Option<Separated> {
-    // All is tried on a copy: the partition stays as it is where the wall will not do.
     let mut trial = partition.clone();
     let upright = trial.cut(&[cell], &wall.upright);
     let tilted = trial.cut(&upright.above, &wall.tilted);
-    let (taken, beside): (Vec<u32>, Vec<u32>) =
-        tilted.above.into_iter().partition(|&piece| hangs_over(&trial, piece, layered, region));
+    let (mut behind, mut below) = (upright.below, tilted.below);
+    let mut taken = Vec::new();
+    let mut beside = Vec::new();
+    for piece in tilted.above {
+        if hangs_over(&trial, piece, layered, region) { taken.push(piece) } else { beside.push(piece) }
+    }
     if taken.is_empty() {
         return None;
     }
-    let mut near = Near { behind: upright.below, below: tilted.below, beside };
-    let rest = near.keep_what_stands(&mut trial, layered, base)?;
-    let floats_from = near
-        .behind
-        .iter()
-        .filter_map(|&piece| trial.part(piece).ok())
-        .map(|part| part.extent(&wall.upright.normal())[0])
-        .min_by(f64::total_cmp);
-    let in_front = join_to_taken(&mut trial, [near.below, near.beside].concat(), &taken, rest);
-    let (mut printed, loose) = from_side_to_side(&trial, wall, taken, near.behind, in_front);
-    // What touches nothing at all was loose before the cut.
-    for piece in loose {
+    // What stands on the base, and what holds on to it.
+    let within = 1e-6 * (1.0 + base.abs()) + 1e-6 * (layered.layers[0].high - layered.layers[0].low);
+    let lowest = |piece: u32| trial.part(piece).map_or(f64::INFINITY, |part| part.extent(&layered.direction)[0]);
+    let near: Vec<u32> = [&behind[..], &below, &beside].concat();
+    let standing: Vec<u32> = near.iter().copied().filter(|&piece| lowest(piece) <= base + within).collect();
+    let stays = held_by(&trial, standing, &near);
+    for pieces in [&mut behind, &mut below, &mut beside] {
+        pieces.retain(|piece| !stays.contains(piece));
+    }
+    let (&rest, others) = stays.split_first()?;
+    for &piece in others {
         trial.merge(rest, piece);
     }
-    printed.reverse();
-    *partition = trial;
-    Some(Separated { rest, taken: printed, floats_from })
-}
-
-/// The pieces of a cell that are not taken off at once.
-struct Near {
-    /// On this side of the upright wall.
-    behind: Vec<u32>,
-    /// Beyond it, below the tilted wall.
-    below: Vec<u32>,
-    /// Above both, without overhang of the region.
-    beside: Vec<u32>,
-}
-
-impl Near {
-    /// Makes one cell of what stands on the base and of what holds on to that, whatever side it is on. Leaves the other pieces. `None` if
-    /// nothing stands.
-    fn keep_what_stands(&mut self, trial: &mut Partition, layered: &Layered, base: f64) -> Option<u32> {
-        // Cuts move corners by rounding: relative to the height of the base, and to that of a layer.
-        let within = 1e-6 * (1.0 + base.abs()) + 1e-6 * (layered.layers[0].high - layered.layers[0].low);
-        let lowest = |piece: u32| trial.part(piece).map_or(f64::INFINITY, |part| part.extent(&layered.direction)[0]);
-        let near: Vec<u32> = [&self.behind[..], &self.below, &self.beside].concat();
-        let standing: Vec<u32> = near.iter().copied().filter(|&piece| lowest(piece) <= base + within).collect();
-        let stays = held_by(trial, standing, &near);
-        for pieces in [&mut self.behind, &mut self.below, &mut self.beside] {
-            pieces.retain(|piece| !stays.contains(piece));
-        }
-        let (&rest, others) = stays.split_first()?;
-        for &piece in others {
-            trial.merge(rest, piece);
-        }
-        Some(rest)
-    }
-}
-
-/// What floats in front of the wall goes with what it touches most of what is taken off, one after the other: a piece may touch it only
-/// through another piece. Gives those that touch none of it.
-fn join_to_taken(trial: &mut Partition, mut in_front: Vec<u32>, taken: &[u32], rest: u32) -> Vec<u32> {
+    // What floats in front of the wall goes with what it touches most.
+    let mut in_front = [below, beside].concat();
     while let Some(at) = in_front.iter().position(|&piece| taken.iter().any(|&one| trial.shared_area(piece, one) > 0.0))
     {
         let piece = in_front.remove(at);
@@ -101,18 +66,12 @@ fn join_to_taken(trial: &mut Partition, mut in_front: Vec<u32>, taken: &[u32], r
         let holder = taken.iter().max_by(most).copied().unwrap_or(rest);
         trial.merge(holder, piece);
     }
-    in_front
-}
-
-/// The order in which pieces hold each other, from one side of the wall to the other and back: each stands on the wall, on the side where it
-/// lies, and on pieces of the other side. Gives them with how they stand, and those that nothing holds.
-fn from_side_to_side(
-    trial: &Partition,
-    wall: &SeparationWall,
-    taken: Vec<u32>,
-    behind: Vec<u32>,
-    in_front: Vec<u32>,
-) -> (Vec<(u32, Stand)>, Vec<u32>) {
+    let floats_from = behind
+        .iter()
+        .filter_map(|&piece| trial.part(piece).ok())
+        .map(|part| part.extent(&wall.upright.normal())[0])
+        .min_by(f64::total_cmp);
+    // From one side of the wall to the other, as far as pieces hold on to each other.
     let stand = |side: f64| Stand {
         direction: wall.upright.normal() * side,
         base: wall.upright.offset() * side,
@@ -123,9 +82,12 @@ fn from_side_to_side(
     let mut side = -1.0;
     let (mut next, mut after) = (behind, in_front);
     while !next.is_empty() {
-        let (held, others): (Vec<u32>, Vec<u32>) =
-            next.iter().copied().partition(|&piece| holders.iter().any(|&one| trial.shared_area(piece, one) > 0.0));
-        next = others;
+        let held: Vec<u32> = next
+            .iter()
+            .copied()
+            .filter(|&piece| holders.iter().any(|&one| trial.shared_area(piece, one) > 0.0))
+            .collect();
+        next.retain(|piece| !held.contains(piece));
         if held.is_empty() {
             break;
         }
@@ -134,8 +96,13 @@ fn from_side_to_side(
         side = -side;
         std::mem::swap(&mut next, &mut after);
     }
-    next.append(&mut after);
-    (printed, next)
+    // What touches nothing at all was loose before the cut.
+    for piece in next.into_iter().chain(after) {
+        trial.merge(rest, piece);
+    }
+    printed.reverse();
+    *partition = trial;
+    Some(Separated { rest, taken: printed, floats_from })
 }
 
 /// `first`, and those of `others` that hold on to them, one by one.

@@ -14,7 +14,7 @@
 //! rated for all offsets of a normal at once; the most promising ones, different from each other, are tried on the solid.
 
 use super::error::RoboFdmError;
-use super::options::{Report, TuningOptions, min_gain};
+use super::options::{TuningOptions, min_gain};
 use super::sequence::BuildSequence;
 use super::split::Trial;
 use super::state::{Node, Promises, State, are_near};
@@ -58,12 +58,6 @@ impl Member {
         Rank { risky: self.state.risky(), parts: self.state.nodes.len(), seam: self.state.seam() }
     }
 
-    /// Goes on with planes of half the spacing; what is known of coarser ones does not hold for them.
-    fn refine(&mut self) {
-        self.state.options = self.state.options.finer();
-        self.known.clear();
-    }
-
     /// The most promising cuts, different from each other.
     fn cuts(&mut self, least: f64, most: usize) -> Vec<(f64, usize, CutPlane)> {
         let planes = self.state.planes(&mut self.known, least);
@@ -97,7 +91,7 @@ impl Rank {
         self.risky.total_cmp(&other.risky).then(parts).then(self.seam.total_cmp(&other.seam))
     }
 
-    /// Whether both may be the same cuts in another order.
+    /// The same cuts in another order, as far as that shows.
     fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
         self.parts == other.parts && near(self.risky, other.risky) && near(self.seam, other.seam)
@@ -237,78 +231,38 @@ pub fn beam_search(
     options: &BeamOptions,
     progress: ProgressFn,
 ) -> Result<Decomposition, RoboFdmError> {
-    let up = options.checked()?;
+    options.tuning.check()?;
+    let counts = [("width", options.width), ("branches", options.branches)];
+    if let Some((name, value)) = counts.into_iter().find(|(_, value)| !(1..=10_000).contains(value)) {
+        return Err(RoboFdmError::Option { name, value: value as f64 });
+    }
+    let length = options.direction.norm();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(RoboFdmError::Option { name: "direction", value: length });
+    }
     let report =
         |stage, done: usize, total: usize| match progress(Progress { stage, done: done as u64, total: total as u64 }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(RoboFdmError::Cancelled),
         };
+    let up = options.direction / length;
     let whole = State::whole(solid, up, &options.tuning);
     let before = whole.risky();
-    let goal = options.tuning.goal * before;
-    let beam = first_beam(whole, sequence, &options.tuning, &report)?;
-    let start = beam[0].state.clone();
-    let first = beam[0].rank().risky;
-    let mut state = searched(beam, [before, goal], options, &report)?;
-    state.merge();
-    // RoboFDM's own way may get farther where the beam has lost it: it is tried only where the goal is not reached.
-    if sequence.is_some() && state.risky() > goal {
-        let own = finely_decomposed(&start, before, &report)?;
-        if own.risky() < state.risky() {
-            state = own;
-        }
-    }
-    state = polished(state, before, &report)?;
-    let after = state.risky();
-    Decomposition::of(&state, before, [first, first, after], &report)
-}
-
-impl BeamOptions {
-    /// The direction as a unit vector.
-    fn checked(&self) -> Result<Vector3<f64>, RoboFdmError> {
-        self.tuning.check()?;
-        let counts = [("width", self.width), ("branches", self.branches)];
-        if let Some((name, value)) = counts.into_iter().find(|(_, value)| !(1..=10_000).contains(value)) {
-            return Err(RoboFdmError::Option { name, value: value as f64 });
-        }
-        let length = self.direction.norm();
-        if !(length > 0.0 && length.is_finite()) {
-            return Err(RoboFdmError::Option { name: "direction", value: length });
-        }
-        Ok(self.direction / length)
-    }
-}
-
-/// The first partial results, the best one first: the solid in one piece, and cut along a plan unless that takes too many parts.
-fn first_beam(
-    whole: State,
-    sequence: Option<&BuildSequence>,
-    options: &TuningOptions,
-    report: &Report,
-) -> Result<Vec<Member>, RoboFdmError> {
     let member = |state: State| Member { state, known: Promises::new() };
     let mut beam = vec![member(whole.clone())];
     if let Some(sequence) = sequence {
         let mut state = whole;
         state.follow(sequence, &|done, total| report("planes", done, total))?;
         state.merge();
-        if state.nodes.len() <= options.max_parts {
+        if state.nodes.len() <= options.tuning.max_parts {
             beam.push(member(state));
         }
     }
     beam.sort_by(|a, b| a.rank().order(&b.rank()));
-    Ok(beam)
-}
-
-/// Goes on from the first partial results until one reaches the goal, or none can be cut to any use. The best of all that came by is kept: a
-/// later one may be worse, since each cut must save something but not the most.
-fn searched(
-    mut beam: Vec<Member>,
-    [before, goal]: [f64; 2],
-    options: &BeamOptions,
-    report: &Report,
-) -> Result<State, RoboFdmError> {
     let mut best = beam[0].clone();
+    let start = best.state.clone();
+    let first = best.rank().risky;
+    let goal = options.tuning.goal * before;
     let (mut halvings, mut width) = (0, options.width);
     while best.rank().risky > goal {
         report("beam", best.state.nodes.len(), options.tuning.max_parts)?;
@@ -322,7 +276,10 @@ fn searched(
             halvings += 1;
             width = width.div_ceil(2);
             beam.truncate(width);
-            beam.iter_mut().for_each(Member::refine);
+            for member in &mut beam {
+                member.state.options = member.state.options.finer();
+                member.known.clear();
+            }
             continue;
         }
         beam = next;
@@ -330,5 +287,15 @@ fn searched(
             best = beam[0].clone();
         }
     }
-    Ok(best.state)
+    let mut state = best.state;
+    state.merge();
+    if sequence.is_some() && state.risky() > goal {
+        let own = finely_decomposed(&start, before, &report)?;
+        if own.risky() < state.risky() {
+            state = own;
+        }
+    }
+    state = polished(state, before, &report)?;
+    let after = state.risky();
+    Decomposition::of(&state, before, [first, first, after], &report)
 }

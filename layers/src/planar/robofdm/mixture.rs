@@ -31,16 +31,6 @@ pub struct GaussianMixture {
     pub log_likelihoods: Vec<f64>,
 }
 
-/// What belongs to the components of a mixture.
-struct Expected {
-    /// Weight of each sample that belongs to each component, sample by sample.
-    owned: Vec<f64>,
-    /// Of each component its weight, and the sum of its samples by weight.
-    sums: Vec<[f64; 2]>,
-    /// Of all samples, by weight.
-    log_likelihood: f64,
-}
-
 impl GaussianMixture {
     /// Fits `count` Gaussians to samples.
     ///
@@ -71,25 +61,6 @@ impl GaussianMixture {
 
     fn fitted(samples: &[f64], weights: &[f64], count: usize) -> Self {
         let total: f64 = weights.iter().sum();
-        let (mut mixture, floor) = Self::first(samples, weights, count);
-        for round in 0..=MAX_ROUNDS {
-            let expected = mixture.expect(samples, weights);
-            let likelihood = expected.log_likelihood / total;
-            let before = mixture.log_likelihoods.last().copied();
-            mixture.log_likelihoods.push(likelihood);
-            if round == MAX_ROUNDS || before.is_some_and(|before| likelihood - before < MIN_GAIN) {
-                break;
-            }
-            mixture.maximise(samples, &expected, total, floor);
-        }
-        mixture.sort();
-        mixture
-    }
-
-    /// The mixture before the first round, and the least standard deviation: means in the middles of parts of equal weight, so that the result
-    /// does not hang on chance.
-    fn first(samples: &[f64], weights: &[f64], count: usize) -> (Self, f64) {
-        let total: f64 = weights.iter().sum();
         let mut order: Vec<usize> = (0..samples.len()).collect();
         order.sort_by(|&i, &j| samples[i].total_cmp(&samples[j]));
         let range = samples[order[order.len() - 1]] - samples[order[0]];
@@ -103,53 +74,52 @@ impl GaussianMixture {
                 means.push(samples[i]);
             }
         }
-        // The sum may fall short of the total by rounding.
         means.resize(count, means.last().copied().unwrap_or(0.0));
         let deviation = (range / (2.0 * count as f64)).max(floor);
-        let mixture = Self {
+        let mut mixture = Self {
             shares: vec![1.0 / count as f64; count],
             means,
             deviations: vec![deviation; count],
             log_likelihoods: Vec::new(),
         };
-        (mixture, floor)
-    }
 
-    /// Expectation: how much of each sample belongs to each component, by the densities there.
-    fn expect(&self, samples: &[f64], weights: &[f64]) -> Expected {
-        let count = self.means.len();
         let mut logs = vec![0.0; count];
-        let mut expected =
-            Expected { owned: vec![0.0; samples.len() * count], sums: vec![[0.0; 2]; count], log_likelihood: 0.0 };
-        for (i, (&x, &weight)) in samples.iter().zip(weights).enumerate() {
-            self.log_joint(x, &mut logs);
-            let all = log_sum(&logs);
-            expected.log_likelihood += weight * all;
-            for (c, sum) in expected.sums.iter_mut().enumerate() {
-                let part = weight * (logs[c] - all).exp();
-                expected.owned[i * count + c] = part;
-                sum[0] += part;
-                sum[1] += part * x;
+        for round in 0..=MAX_ROUNDS {
+            let mut sums = vec![[0.0; 2]; count];
+            let mut likelihood = 0.0;
+            let mut owned = vec![0.0; samples.len() * count];
+            for (i, (&x, &weight)) in samples.iter().zip(weights).enumerate() {
+                mixture.log_joint(x, &mut logs);
+                let all = log_sum(&logs);
+                likelihood += weight * all;
+                for (c, sum) in sums.iter_mut().enumerate() {
+                    let part = weight * (logs[c] - all).exp();
+                    owned[i * count + c] = part;
+                    sum[0] += part;
+                    sum[1] += part * x;
+                }
+            }
+            let likelihood = likelihood / total;
+            let before = mixture.log_likelihoods.last().copied();
+            mixture.log_likelihoods.push(likelihood);
+            if round == MAX_ROUNDS || before.is_some_and(|before| likelihood - before < MIN_GAIN) {
+                break;
+            }
+            for c in 0..count {
+                let [mass, sum] = sums[c];
+                mixture.shares[c] = mass / total;
+                // A component that nothing belongs to stays where it is, with no share.
+                if mass > 0.0 {
+                    let mean = sum / mass;
+                    let square = |(i, x): (usize, &f64)| owned[i * count + c] * (x - mean).powi(2);
+                    let variance = samples.iter().enumerate().map(square).sum::<f64>() / mass;
+                    mixture.means[c] = mean;
+                    mixture.deviations[c] = variance.sqrt().max(floor);
+                }
             }
         }
-        expected
-    }
-
-    /// Maximisation: shares, means and deviations of what belongs to each component. With these the likelihood is no less than before.
-    fn maximise(&mut self, samples: &[f64], expected: &Expected, total: f64, floor: f64) {
-        let count = self.means.len();
-        for c in 0..count {
-            let [mass, sum] = expected.sums[c];
-            self.shares[c] = mass / total;
-            // A component that nothing belongs to stays where it is, with no share.
-            if mass > 0.0 {
-                let mean = sum / mass;
-                let square = |(i, x): (usize, &f64)| expected.owned[i * count + c] * (x - mean).powi(2);
-                let variance = samples.iter().enumerate().map(square).sum::<f64>() / mass;
-                self.means[c] = mean;
-                self.deviations[c] = variance.sqrt().max(floor);
-            }
-        }
+        mixture.sort();
+        mixture
     }
 
     fn sort(&mut self) {
