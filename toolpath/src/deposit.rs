@@ -375,6 +375,7 @@ impl Planner<'_> {
         };
         let arrival = above(to.position, to.axis);
         if let (Some((tip, direction)), Some(before)) = (self.at, path.checked_sub(1)) {
+            // The path goes on where the last one ended: no travel, and the filament stays under pressure.
             if (Pose { tip, direction }).joins(&Pose { tip: to.position, direction: to.axis }) {
                 if direction != to.axis {
                     self.go(MoveKind::Travel, path, 0, to.position, to.axis);
@@ -386,6 +387,7 @@ impl Planner<'_> {
             self.plan.retractions += usize::from(options.retraction > 0.0);
             let hops: Vec<Pose> = above(tip, direction).into_iter().chain(arrival).collect();
             for (k, pose) in way.unwrap_or(&hops).iter().enumerate() {
+                // The first pose is above the end of the path before, the others lead to this one.
                 let (path, waypoint) = if k == 0 { (before, last) } else { (path, 0) };
                 self.go(MoveKind::Travel, path, waypoint, pose.tip, pose.direction);
             }
@@ -393,6 +395,7 @@ impl Planner<'_> {
             self.go(MoveKind::Travel, path, 0, pose.tip, pose.direction);
         }
         self.go(MoveKind::Travel, path, 0, to.position, to.axis);
+        // The first path begins with filament that was not drawn back.
         if path > 0 {
             self.push(MoveKind::Prime, path, 0, self.options.retraction, self.options.prime_feed);
         }
@@ -405,6 +408,8 @@ impl Planner<'_> {
         let way = length.max(to.arc - from.arc);
         let wanted = volume / self.options.flow_mm3_s;
         let [fastest, slowest] = [way / self.options.max_feed, way / self.options.min_feed];
+        // The flow asked for, then the limits of the feed; turning comes last, since no machine turns faster, however slow the tip is
+        // then.
         let limited = wanted.max(fastest).min(slowest);
         let turn = angle(&from.axis, &to.axis);
         let seconds = limited.max(turn / self.options.max_turn_rate);
@@ -542,6 +547,7 @@ fn planned(
             return Err(DepositionError::BadWaypoint { path, waypoint });
         }
     }
+    // All input is sound from here on.
     let plan = Deposition { of_path: vec![0.0; paths.len()], ..Deposition::default() };
     let mut planner = Planner { options, plan, at: None };
     for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {

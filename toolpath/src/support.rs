@@ -407,6 +407,7 @@ impl DepositedBeads {
             segments.extend(path.waypoints.windows(2).map(segment));
         }
         let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
+        // Beads are looked up by their middle lines: from there to the edge is the core of the widest.
         let reach = max_mm + core.fold(0.0, f64::max);
         let grid = BeadGrid::new(segments.iter().map(|segment| &segment.ends), reach);
         DepositedBeads {
@@ -434,6 +435,7 @@ impl DepositedBeads {
             if hold != Hold::OnNothing || arcs[1] <= arcs[0] {
                 continue;
             }
+            // Runs alternate, so that before and after one on nothing there is another kind, of a closed path across its start as well.
             let (before, after) = match path.closed {
                 true => (runs.get((k + runs.len() - 1) % runs.len()), runs.get((k + 1) % runs.len())),
                 false => (k.checked_sub(1).and_then(|k| runs.get(k)), runs.get(k + 1)),
@@ -456,6 +458,7 @@ impl DepositedBeads {
             let [a, b] = &segment.ends;
             let is_judged = !(segment.kind.is_sparse() || segment.kind.is_bridge());
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
+            // A bead that is not judged is one piece: it is neither held nor on nothing.
             let steps = if is_judged { (length / self.step_mm).ceil().max(1.0) } else { 1.0 };
             for k in 0..steps as usize {
                 let hold = match is_judged {
@@ -470,6 +473,7 @@ impl DepositedBeads {
                 }
             }
         }
+        // A run over the start of a closed path is one: its arc goes on past the end.
         if path.closed && runs.len() > 1 && runs[0].0 == runs[runs.len() - 1].0 {
             let (_, [from, to]) = runs.remove(0);
             runs.iter_mut().last().into_iter().for_each(|last| last.1[1] += to - from);
@@ -487,6 +491,7 @@ impl DepositedBeads {
         if self.mould.as_ref().is_some_and(|mould| mould.has(at.middle, self.max_mm, is_below)) {
             return true;
         }
+        // Beads of its own layer do not carry: they lie beside it. Later paths are not there yet.
         let carries = |other: &u32| {
             let other = &self.segments[*other as usize];
             other.path < segment.path && other.layer != segment.layer && self.is_below(&other.ends, at)
@@ -503,6 +508,7 @@ impl DepositedBeads {
         let [a, b] = ends;
         // How far below the place it is, at its start and along it.
         let drops = [a, b].map(|end| (at.middle - end.middle).dot(&at.direction) - self.drop_mm);
+        // A segment that leans may be far enough below along a part of it only: there its nearest point is looked for.
         let crossing = drops[0] / (drops[0] - drops[1]);
         let [low, high] = match drops.map(|drop| drop >= 0.0) {
             [true, true] => [0.0, 1.0],

@@ -10,8 +10,8 @@ mod profile;
 mod rules;
 
 pub use declared::{
-    BEAD_MM, Count, FILES, LAYER_HEIGHT_MM, LAYERS, MACHINE, MATERIAL, NOZZLE, PLATFORM_DIAMETER_MM, SPEEDS, Settings,
-    Sparse, TagStyle, Words,
+    BEAD_MM, Count, FILES, LAYER_HEIGHT_MM, LAYERS, MACHINE, MATERIAL, PLATFORM_DIAMETER_MM, SPEEDS, Settings, Sparse,
+    TagStyle, Words,
 };
 pub use profile::Profile;
-pub use rules::nozzle;
+pub use rules::{default_nozzle, nozzle};

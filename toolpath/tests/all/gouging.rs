@@ -3,6 +3,7 @@
 //! The slow twin knows nothing of trees, bounds and caps: it looks at a dense raster of points on every sheet of every
 //! triangle.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers, nozzle};
 
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
@@ -24,7 +25,7 @@ fn shape(tip_flat_mm: f64, half_angle: f64, cone_height_mm: f64, block_mm: f64) 
 }
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
-    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &tip_1_mm(), options, &go_on).unwrap())
 }
 
 /// Nothing but earlier layers, nothing left out, and no smoothing for paths of two waypoints.
@@ -92,7 +93,7 @@ fn at(
 proptest! {
     #[test]
     fn clearance_is_a_distance_but_before_edges(z in -6.0_f64..20.0, rho in 0.0_f64..18.0) {
-        let (clearance, distance) = (Nozzle::default().clearance(z, rho), to_profile(z, rho));
+        let (clearance, distance) = (tip_1_mm().clearance(z, rho), to_profile(z, rho));
         if inside(z, rho) {
             prop_assert!(clearance <= 0.0 && -clearance <= distance + 1e-12);
         } else {
@@ -103,7 +104,7 @@ proptest! {
 
     #[test]
     fn clearance_changes_no_more_than_the_point_moves(a in prop::array::uniform2(-3.0_f64..14.0), b in prop::array::uniform2(-3.0_f64..14.0)) {
-        let [c, d] = [a, b].map(|[z, rho]| Nozzle::default().clearance(z, rho));
+        let [c, d] = [a, b].map(|[z, rho]| tip_1_mm().clearance(z, rho));
         prop_assert!((c - d).abs() <= (a[0] - b[0]).hypot(a[1] - b[1]) + 1e-12);
     }
 }
@@ -155,9 +156,8 @@ fn over_a_level_layer_nothing_gouges() {
     let layers = [zigzag(0), zigzag(1), zigzag(2)];
     let (paths, resolved) = with_stack(&layers, |stack| {
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let resolved = stack
-            .resolve_gouging(oriented.paths.clone(), &Nozzle::default(), &GougingOptions::default(), &go_on)
-            .unwrap();
+        let resolved =
+            stack.resolve_gouging(oriented.paths.clone(), &tip_1_mm(), &GougingOptions::default(), &go_on).unwrap();
         (oriented.paths, resolved)
     });
     assert_eq!((resolved.gouging_before, resolved.tilted, resolved.left.len(), resolved.added), (0, 0, 0, 0));
@@ -165,7 +165,7 @@ fn over_a_level_layer_nothing_gouges() {
     // With the tip in the middle of the layer, beads beside the nozzle are in the way of its tip.
     let sunk = with_stack(&layers, |stack| {
         let oriented = stack.orient(&OrientOptions { lift: 0.0, ..OrientOptions::default() }, &go_on).unwrap();
-        stack.resolve_gouging(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap()
+        stack.resolve_gouging(oriented.paths, &tip_1_mm(), &GougingOptions::default(), &go_on).unwrap()
     });
     assert!(sunk.gouging_before > 0);
 }
@@ -416,7 +416,7 @@ fn past_a_wall() -> Vec<Layer> {
 fn along_the_wall(options: &GougingOptions) -> (Vec<ToolPath>, ResolvedPaths) {
     with_stack(&past_a_wall(), |stack| {
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let resolved = stack.resolve_gouging(oriented.paths.clone(), &Nozzle::default(), options, &go_on).unwrap();
+        let resolved = stack.resolve_gouging(oriented.paths.clone(), &tip_1_mm(), options, &go_on).unwrap();
         (oriented.paths, resolved)
     })
 }
@@ -480,9 +480,7 @@ fn nozzles_that_cannot_be_are_named() {
 fn paths_and_options_that_cannot_be_used_are_named() {
     let layers = [nowhere(), nowhere()];
     let error = |paths: &[ToolPath], options: &GougingOptions| {
-        with_stack(&layers, |stack| {
-            stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap_err()
-        })
+        with_stack(&layers, |stack| stack.resolve_gouging(paths.to_vec(), &tip_1_mm(), options, &go_on).unwrap_err())
     };
     let default = GougingOptions::default();
     let good = path(1, &[(Point3::origin(), Vector3::z()), (Point3::new(1.0, 0.0, 0.0), Vector3::z())]);
@@ -516,9 +514,7 @@ fn paths_and_options_that_cannot_be_used_are_named() {
     zero.waypoints[0].axis = UnitVector3::new_unchecked(Vector3::zeros());
     assert_eq!(error(&[zero], &default), GougingError::BadWaypoint { path: 0, waypoint: 0 });
     let cancelled = with_stack(&layers, |stack| {
-        stack
-            .resolve_gouging(vec![good.clone()], &Nozzle::default(), &default, &|_| ControlFlow::Break(()))
-            .unwrap_err()
+        stack.resolve_gouging(vec![good.clone()], &tip_1_mm(), &default, &|_| ControlFlow::Break(())).unwrap_err()
     });
     assert_eq!(cancelled, GougingError::Cancelled);
 }

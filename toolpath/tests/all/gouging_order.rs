@@ -3,10 +3,11 @@
 //! The slow twin prints the layer once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on them against the nozzle, waypoint by waypoint.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers};
 
 use creases::{H, PIECE, groove, groove_of, last_touched, nowhere, rows, slow_depth};
-use curvlay_toolpath::gouging::{GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ResolvedPaths};
+use curvlay_toolpath::gouging::{GougingOptions, LeftOut, NozzlePart, Obstacle, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::travel::TravelOptions;
@@ -15,7 +16,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
-    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &tip_1_mm(), options, &go_on).unwrap())
 }
 
 /// No smoothing, nothing left out, nothing raised.
@@ -143,10 +144,10 @@ fn what_is_left_out_blocks_no_travel() {
         with_stack(&layers, |stack| {
             let options = GougingOptions { max_depth, ..rough_turns() };
             let paths = vec![line(0, 60.0), line(1, 3.0), line(2, 70.0)];
-            let resolved = stack.resolve_gouging(paths, &Nozzle::default(), &options, &go_on).unwrap();
+            let resolved = stack.resolve_gouging(paths, &tip_1_mm(), &options, &go_on).unwrap();
             // Not high enough to leave the shaft.
             let options = TravelOptions { max_lift: 20.0, ..TravelOptions::default() };
-            stack.travels(&resolved.paths, &Nozzle::default(), &options, &go_on).unwrap().blocked.len()
+            stack.travels(&resolved.paths, &tip_1_mm(), &options, &go_on).unwrap().blocked.len()
         })
     };
     assert_eq!((blocked(f64::INFINITY), blocked(1.0)), (2, 0));

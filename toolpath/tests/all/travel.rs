@@ -2,10 +2,11 @@
 //!
 //! The slow twin looks at a raster of points through the thickness of every triangle, and at many places along each leg.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{go_on, layers, nozzle, rng, rough};
 
 use curvlay_toolpath::deposit::{DepositionError, DepositionOptions, MoveKind, deposit_along};
-use curvlay_toolpath::gouging::{GougingError, Nozzle, Obstacle};
+use curvlay_toolpath::gouging::{GougingError, Obstacle};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use curvlay_toolpath::orientation::{Pose, ToolPath};
 use curvlay_toolpath::travel::{BlockedTravel, TravelOptions, Travels};
@@ -20,7 +21,7 @@ const H: f64 = 0.8;
 const PIECE: f64 = 0.02 * H;
 
 fn travels_with(layers: &[Layer], paths: &[ToolPath], options: &TravelOptions) -> Travels {
-    with_stack(layers, |stack| stack.travels(paths, &Nozzle::default(), options, &go_on).unwrap())
+    with_stack(layers, |stack| stack.travels(paths, &tip_1_mm(), options, &go_on).unwrap())
 }
 
 /// True distance from a point to the default nozzle, 0 inside.
@@ -316,7 +317,7 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     let good = path(0, &[1.0, 2.0].map(|x| (Point3::new(x, 5.0, H), Vector3::z())));
     let default = TravelOptions::default();
     let tried = |paths: &[ToolPath], options: &TravelOptions| {
-        with_stack(&layers, |stack| stack.travels(paths, &Nozzle::default(), options, &go_on))
+        with_stack(&layers, |stack| stack.travels(paths, &tip_1_mm(), options, &go_on))
     };
     for (name, options) in [
         ("clearance", TravelOptions { clearance: 0.0, ..default }),
@@ -335,7 +336,7 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     assert_eq!(tried(&[good.clone(), bad], &default), Err(GougingError::BadWaypoint { path: 1, waypoint: 1 }));
     let stop = |_| ControlFlow::Break(());
     let cancelled =
-        with_stack(&layers, |stack| stack.travels(std::slice::from_ref(&good), &Nozzle::default(), &default, &stop));
+        with_stack(&layers, |stack| stack.travels(std::slice::from_ref(&good), &tip_1_mm(), &default, &stop));
     assert_eq!(cancelled, Err(GougingError::Cancelled));
     assert!(tried(&[], &default).unwrap().ways.is_empty());
 

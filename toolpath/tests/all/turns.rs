@@ -2,6 +2,7 @@
 //!
 //! The slow twin compares the directions of all pairs of waypoints of a piece that are no farther apart than a millimetre.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers};
 
 use creases::{H, PIECE, groove_of, nowhere, rows, sheets};
@@ -17,7 +18,7 @@ use std::f64::consts::FRAC_PI_4;
 const TEN: f64 = 10_f64.to_radians();
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
-    resolved_by(&Nozzle::default(), layers, paths, options)
+    resolved_by(&tip_1_mm(), layers, paths, options)
 }
 
 fn resolved_by(nozzle: &Nozzle, layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {

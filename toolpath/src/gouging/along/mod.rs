@@ -258,6 +258,7 @@ impl Walker<'_> {
             let shares =
                 k > 0 && !self.steps[k - 1].gouged && self.turn(k - 1, k) <= self.options.max_turn.min(FRAC_PI_2);
             let direction = self.steps[k].waypoint.axis;
+            // What is near the way is gathered once for its end and for what lies between.
             let is_free = if shares {
                 let [last, step] = [k - 1, k].map(|k| self.steps[k]);
                 self.gather(&last, &step, step.before);
@@ -290,6 +291,7 @@ impl Walker<'_> {
         let direction = self.steps[k].waypoint.axis;
         let (mut closed, mut open) = (self.options.allowed_depth, DEEPEST);
         let mut allowed = open;
+        // Free as deep as `open`, not free as deep as `closed`.
         while open - closed > DEEPER_STEP {
             let stand = Stand { allowed, ..self.stand(k) };
             match self.least_tilt_or_known(stand, direction) {
@@ -313,6 +315,8 @@ impl Walker<'_> {
         let stuck = self.steps[k];
         let (mut low, mut high) = (0.0, self.options.max_lift);
         let Some(mut raised) = (high > 0.0).then(|| self.raised(&stuck, high)).flatten() else { return false };
+        // Free at `high`, not at `low`. A tip that is higher is not always as free, so this finds a height that frees, and at most a step
+        // below one that does not.
         while high - low > LIFT_STEP {
             let lift = (low + high) / 2.0;
             match self.raised(&stuck, lift) {
@@ -385,6 +389,7 @@ impl Walker<'_> {
         let Some(nearer) = along(&from, &to, limit / turn) else {
             return;
         };
+        // What is free but turns too far is no gain: the waypoint stays as it is.
         let within = |direction: &UnitVector3<f64>| angle(&from, direction) <= limit + TURN_ROUNDING;
         self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
@@ -438,6 +443,7 @@ impl Walker<'_> {
                 let Some(mean) = Unit::try_new(sum, 0.0) else {
                     continue;
                 };
+                // A mean may leave a turn too sharp that was so before, but make none sharper.
                 let sound =
                     |other: &UnitVector3<f64>, limit: f64| angle(other, &mean) <= limit.max(angle(other, &here));
                 let are_sound = sound(&last, self.limit(k - 1, k)) && sound(&next, self.limit(k, k + 1));
@@ -455,7 +461,7 @@ impl Walker<'_> {
         for mut step in old {
             if let Some(last) = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied() {
                 let ends = [&last, &step].map(|step| step.waypoint.axis);
-                // What was found free is free as long as nobody turns.
+                // What was found free stays free while neither end turns.
                 if step.looked != Some(ends) {
                     self.points.clear();
                     self.gather(&last, &step, last.before);

@@ -29,6 +29,7 @@ impl Walker<'_> {
                 self.follow_around(k);
             }
             let now = self.cuts();
+            // Only as a whole: to turn one pair may sharpen others.
             if now.len() < cuts.len() {
                 (any, cuts) = (true, now);
             } else {
@@ -46,6 +47,7 @@ impl Walker<'_> {
         let excess = |k: usize| self.turn(k - 1, k) - per_mm * way(k);
         let (mut cuts, mut piece) = (Vec::new(), 0);
         let mut k = 1;
+        // Windows that end at step `k`, and begin in the same piece.
         while k < self.steps.len() {
             let (mut from, mut length) = (k, 0.0);
             let is_sharp = loop {
@@ -83,6 +85,7 @@ impl Walker<'_> {
                 }
                 let wanted = self.steps[leader].waypoint.axis;
                 self.points.clear();
+                // Each in turn goes to the free direction nearest to the other's: the angle between them never grows.
                 if let Some(direction) = self.least_tilt(other, wanted, self.turn(k - 1, k)) {
                     self.steps[other].waypoint.axis = direction;
                 }
