@@ -39,4 +39,4 @@ pub use geometry::FiveAxis;
 pub use inverse::{AxisSolution, Solutions};
 pub use model::{AxisMount, LinearAxisModel, MachineKind, MachineModel, RotaryAxisModel, ToolModel, VERSION};
 pub use plan::{AxisMove, AxisPlan, AxisPlanError, AxisPlanOptions, AxisPlanSummary, AxisStep, PathMove, plan_axes};
-pub use reach::Unreachable;
+pub use reach::{FarthestPlace, Reach, Unreachable};

@@ -66,6 +66,28 @@ pub enum Unreachable {
     Gap,
 }
 
+/// How much of a part a machine reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Places that were asked for.
+    pub places: u64,
+    /// Those out of reach.
+    pub unreachable: u64,
+    /// The one that is farthest out of reach: by angle, and of those by length.
+    pub worst: Option<FarthestPlace>,
+}
+
+/// The place of a part that is farthest out of reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FarthestPlace {
+    /// Its number, from 0.
+    pub index: u64,
+    /// Where it is.
+    pub tip: Point3<f64>,
+    /// Why it is not reached.
+    pub reason: Unreachable,
+}
+
 fn beyond(value: f64, [min, max]: [f64; 2]) -> f64 {
     (min - value).max(value - max).max(0.0)
 }
@@ -108,6 +130,32 @@ impl FiveAxis {
         }
     }
 
+    /// Which places of a whole part the machine does not reach.
+    ///
+    /// # Arguments
+    /// * `places`: tips and directions, as of [`FiveAxis::inverse`].
+    ///
+    /// # Cost
+    /// Some 200 ns a place, no memory.
+    pub fn reach(&self, places: impl IntoIterator<Item = (Point3<f64>, UnitVector3<f64>)>) -> Reach {
+        let mut reach = Reach { places: 0, unreachable: 0, worst: None };
+        for (tip, direction) in places {
+            if let Some(reason) = self.unreachable(&tip, &direction) {
+                reach.unreachable += 1;
+                let (angle, length) = rank(&reason);
+                let is_worse = |worst: &FarthestPlace| {
+                    let (most, longest) = rank(&worst.reason);
+                    angle > most || (angle >= most && length > longest)
+                };
+                if reach.worst.as_ref().is_none_or(is_worse) {
+                    reach.worst = Some(FarthestPlace { index: reach.places, tip, reason });
+                }
+            }
+            reach.places += 1;
+        }
+        reach
+    }
+
     /// What keeps the machine from a pair.
     fn beyond_of(&self, tip: &Vector3<f64>, pair: &Pair) -> Option<Unreachable> {
         let mut least: Option<Unreachable> = None;
@@ -142,11 +190,13 @@ impl FiveAxis {
     }
 }
 
-/// Rotary axes count before linear ones.
+/// Angles count before lengths.
 fn rank(reason: &Unreachable) -> (f64, f64) {
     match *reason {
-        Unreachable::Rotary { beyond, .. } => (beyond, 0.0),
+        Unreachable::NotFinite => (f64::INFINITY, 0.0),
+        Unreachable::Direction { beyond } | Unreachable::Rotary { beyond, .. } => (beyond, 0.0),
         Unreachable::Linear { beyond_mm, .. } => (0.0, beyond_mm),
-        _ => (0.0, 0.0),
+        Unreachable::Place { short_mm } => (0.0, short_mm),
+        Unreachable::Gap => (0.0, 0.0),
     }
 }

@@ -8,7 +8,8 @@ use super::nodes::Node;
 use super::speed::turning;
 use super::task::Task;
 use crate::angle::nearest_image;
-use crate::machine::geometry::{Posture, Rotary};
+use crate::machine::geometry::{Images, Posture, Rotary};
+use crate::machine::inverse::Pair;
 use crate::machine::reach::Unreachable;
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::Range;
@@ -48,7 +49,7 @@ const FREE: f64 = 1e5;
 /// Cost of a way that the linear axes do not reach: it is taken, and reported, where there is no other one.
 const OUT_OF_REACH: f64 = 1e12;
 
-/// Whole turns on either side of the last reading that are looked at: more would only wind farther.
+/// Whole turns on either side of the first reading that are looked at, beside those to which a bead winds on: an axis of more turns may be wound back once more than it must.
 const TURNS: u64 = 4;
 
 /// A reading goes on continuously from another one by less than this, radians; nodes stand closer, and images are a whole turn apart.
@@ -82,6 +83,8 @@ struct Search<'a> {
     nodes: &'a [Node],
     intervals: &'a [Interval],
     near: [f64; 2],
+    /// The axes are at the first node: a bead has ended there.
+    is_there: bool,
     states: Vec<State>,
     columns: Vec<Column>,
 }
@@ -97,8 +100,8 @@ pub(super) fn choose(
     near: [f64; 2],
     is_there: bool,
 ) -> Result<Vec<Choice>, DeadEnd> {
-    let mut search = Search { task, nodes, intervals, near, states: vec![], columns: vec![] };
-    search.first(is_there)?;
+    let mut search = Search { task, nodes, intervals, near, is_there, states: vec![], columns: vec![] };
+    search.first()?;
     let last = nodes.len() - 1;
     for (number, node) in nodes.iter().enumerate().skip(1) {
         if !node.is_inside || number == last {
@@ -135,44 +138,59 @@ impl Search<'_> {
         });
     }
 
-    /// All states of a node outside of poles.
-    fn push_all(&mut self, node: usize) {
+    /// All states of a node outside of poles: the turns next to where the axes were at first, and those with which states of the column before go on.
+    fn push_all(&mut self, node: usize, before: Range<usize>) {
         let (machine, pose) = (self.task.machine, self.nodes[node].pose);
         let Ok(pairs) = machine.pairs(&pose.tip, &pose.direction, self.near) else { return };
-        let [first, second] = &machine.rotary;
+        let start = self.states.len();
         for pair in pairs.into_iter().flatten() {
-            let turns = first.images(pair.rotary[0], self.near[0]);
-            let tilts = second.images(pair.rotary[1], self.near[1]);
-            let (Some(turns), Some(tilts)) = (turns, tilts) else { continue };
             if !machine.has_linear(&machine.place(&pose.tip, &pair.rotary)) {
                 continue;
             }
-            // The images next to where the axis is.
-            let window = |first: f64, count: u64, near: f64| {
-                // Saturates at 0.
-                let middle = (((near - first) / TAU).round() as u64).min(count - 1);
-                middle.saturating_sub(TURNS)..count.min(middle + TURNS + 1)
-            };
-            for turn in window(turns.first, turns.count, self.near[0]) {
-                for tilt in window(tilts.first, tilts.count, self.near[1]) {
-                    self.push([first.image(&turns, turn), second.image(&tilts, tilt)], Some(pair.branch));
+            let near = self.near;
+            self.push_turns_of(&pair, near, TURNS, start);
+            for from in before.clone() {
+                self.push_turns_of(&pair, self.states[from].rotary, 0, start);
+            }
+        }
+    }
+
+    /// Images of a pair next to `near`, but for those that are there already, from `start` on.
+    fn push_turns_of(&mut self, pair: &Pair, near: [f64; 2], turns: u64, start: usize) {
+        let axes = &self.task.machine.rotary;
+        let images = [0, 1].map(|k: usize| axes[k].images(pair.rotary[k], near[k]));
+        let [Some(first), Some(second)] = images else { return };
+        let window = |images: &Images, near: f64| {
+            // Saturates at 0.
+            let middle = (((near - images.first) / TAU).round() as u64).min(images.count - 1);
+            middle.saturating_sub(turns)..images.count.min(middle + turns + 1)
+        };
+        for turn in window(&first, near[0]) {
+            for tilt in window(&second, near[1]) {
+                let rotary = [axes[0].image(&first, turn), axes[1].image(&second, tilt)];
+                let is_there = |state: &State| {
+                    let ways = self.ways(&state.rotary, &rotary);
+                    state.branch == Some(pair.branch) && ways.iter().all(|way| way.abs() < 1.0)
+                };
+                if !self.states[start..].iter().any(is_there) {
+                    self.push(rotary, Some(pair.branch));
                 }
             }
         }
     }
 
-    fn first(&mut self, is_there: bool) -> Result<(), DeadEnd> {
+    fn first(&mut self) -> Result<(), DeadEnd> {
         if self.nodes[0].is_inside {
-            self.push_turns(is_there)
+            self.push_turns()
         } else {
-            self.push_all(0)
+            self.push_all(0, 0..0)
         }
         // Where the axes are there already, they arrive in one state, of which only the branch is not known; a rewind leads to the others.
         let cost = |state: &State| self.ways(&self.near, &state.rotary).iter().map(|way| way.abs()).sum::<f64>();
         let nearest = (0..self.states.len()).min_by(|&a, &b| cost(&self.states[a]).total_cmp(&cost(&self.states[b])));
         for k in 0..self.states.len() {
             let seconds = self.seconds(&self.near, &self.states[k].rotary);
-            if !is_there {
+            if !self.is_there {
                 self.states[k].arrive = seconds;
             } else if nearest == Some(k) {
                 (self.states[k].arrive, self.states[k].rotary) = (0.0, self.near);
@@ -182,12 +200,12 @@ impl Search<'_> {
     }
 
     /// States within a pole: the turn where it is, and eighths of a turn, since not with each the linear axes reach the whole bead.
-    fn push_turns(&mut self, is_there: bool) {
+    fn push_turns(&mut self) {
         let [min, max] = self.task.machine.rotary[0].range;
         let pose = self.nodes[0].pose;
         let first = self.near[0].clamp(min, max);
         let there = self.task.at_pole(&pose, first, self.near[1]).rotary;
-        self.push(if is_there { self.near } else { there }, None);
+        self.push(if self.is_there { self.near } else { there }, None);
         for eighth in 0..8 {
             let turn = nearest_image(self.task.machine.rotary[0].zero + f64::from(eighth) * FRAC_PI_4, first);
             if turn >= min && turn <= max {
@@ -204,7 +222,7 @@ impl Search<'_> {
         if self.nodes[node].is_inside {
             self.stay(&before, node);
         } else {
-            self.push_all(node);
+            self.push_all(node, before.states.clone());
             let is_direct = node == before.node + 1 && !self.nodes[before.node].is_inside;
             for to in start..self.states.len() {
                 for from in before.states.clone() {
@@ -264,8 +282,8 @@ impl Search<'_> {
         let has_travel = run.iter().any(|interval| !interval.is_printing);
         let seconds: f64 = run.iter().map(|interval| interval.seconds).sum();
         let slow = (turning - seconds).max(0.0) + EFFORT * turning;
-        // A tenth of a second of turning is worth no rewind.
-        let is_fast = turning <= (self.task.options.max_slowdown * seconds).max(0.1);
+        let options = &self.task.options;
+        let is_fast = turning <= (options.max_slowdown * seconds).max(options.max_pole_wait_s);
         if has_travel || is_fast { (slow, false) } else { (CUT + turning, true) }
     }
 
@@ -278,7 +296,8 @@ impl Search<'_> {
             return Err(DeadEnd { node, reason: self.reason(node) });
         }
         let is_printing = |k: usize| self.intervals.get(k).is_some_and(|interval| interval.is_printing);
-        let beads = [node > 0 && is_printing(node.wrapping_sub(1)), is_printing(node)];
+        let has_bead = if node == 0 { self.is_there } else { is_printing(node - 1) };
+        let beads = [has_bead, is_printing(node)];
         let rewind = match beads {
             [true, true] => CUT,
             [false, false] => FREE,

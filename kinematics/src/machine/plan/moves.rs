@@ -37,9 +37,9 @@ pub enum PathMove<T> {
 pub struct AxisMove {
     /// In the order of [`FiveAxis::letters`](crate::machine::FiveAxis::letters), mm and radians, as they stand in a program.
     pub axes: [f64; 5],
-    /// Time of the motion, without speeding up and slowing down but for lifted ones.
+    /// Time of the motion, 1e-4 s at least, without speeding up and slowing down but for lifted ones.
     pub seconds: f64,
-    /// Filament, mm; negative where it is drawn back while the axes rest.
+    /// Filament, mm; negative where it is drawn back while the axes rest before a rewind, and positive without `printing` where it is given back.
     pub filament_mm: f64,
     /// Part of a [`PathMove::Print`].
     pub printing: bool,

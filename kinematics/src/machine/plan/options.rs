@@ -17,8 +17,10 @@ pub struct AxisPlanOptions {
     /// direction, which is off by as much at most. With less, a bead that passes beside the pole makes the axis turn farther in less time. On a polar machine half of
     /// `tip_tolerance_mm` has this part. Default 0.02 (1.1 degrees).
     pub pole_rad: f64,
-    /// A bead that would take this many times its time at the pole is cut, 1 to 1e6. Default 5.
+    /// A bead that would take this many times its time at the pole is cut, 1 to 1e6; unless the turn takes no longer than `max_pole_wait_s`. Default 5.
     pub max_slowdown: f64,
+    /// A turn at the pole that takes no longer is worth no rewind, 0 to 1e4 s. Default 0.5.
+    pub max_pole_wait_s: f64,
     /// How far the nozzle is lifted off along its direction for a rewind, 0.1 to 1000 mm. Default 5.
     pub lift_mm: f64,
     /// Speed of the tip there, 0.001 to 1e5 mm/s. Default 50.
@@ -39,6 +41,7 @@ impl Default for AxisPlanOptions {
             direction_tolerance_rad: 0.005,
             pole_rad: 0.02,
             max_slowdown: 5.0,
+            max_pole_wait_s: 0.5,
             lift_mm: 5.0,
             lift_feed_mm_s: 50.0,
             retract_mm: 1.0,
@@ -66,6 +69,7 @@ impl AxisPlanOptions {
             ("direction_tolerance_rad", self.direction_tolerance_rad, [1e-4, FRAC_PI_4], "from 1e-4 to pi/4"),
             ("pole_rad", self.pole_rad, [1e-4, 0.1], "from 1e-4 to 0.1"),
             ("max_slowdown", self.max_slowdown, [1.0, 1e6], "from 1 to 1e6"),
+            ("max_pole_wait_s", self.max_pole_wait_s, [0.0, 1e4], "from 0 to 1e4 s"),
             ("lift_mm", self.lift_mm, [0.1, 1e3], "from 0.1 to 1000 mm"),
             ("lift_feed_mm_s", self.lift_feed_mm_s, FEED, feed),
             ("retract_mm", self.retract_mm, [0.0, 100.0], "from 0 to 100 mm"),

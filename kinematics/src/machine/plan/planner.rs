@@ -25,6 +25,9 @@ const FILAMENT: [f64; 2] = [0.0, 1e6];
 /// Travels that are planned at once where no bead follows.
 const MAX_TRAVELS: usize = 4096;
 
+/// No motion takes less, seconds: files of inverse times have digits for no more.
+const MIN_SECONDS: f64 = 1e-4;
+
 /// A motion counts as slowed from this factor on.
 const SLOWED: f64 = 1.0 + 1e-6;
 
@@ -355,6 +358,7 @@ impl<T, I: Iterator<Item = PathMove<T>>> AxisPlan<'_, T, I> {
 
     fn push(&mut self, posture: Posture, seconds: f64, filament_mm: f64, [printing, lifted]: [bool; 2]) {
         let machine = self.task.machine;
+        let seconds = seconds.max(MIN_SECONDS);
         let axes = machine.values(&posture);
         let first = machine.linear.len();
         let readings = (0..first).map(|k| posture.linear[k]).chain(posture.rotary);

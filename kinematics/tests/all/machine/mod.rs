@@ -4,6 +4,8 @@ mod closed_forms;
 #[cfg(feature = "serde")]
 mod files;
 mod models;
+#[cfg(feature = "serde")]
+mod parts;
 mod plan;
 mod random;
 mod sampled;

@@ -178,6 +178,19 @@ fn the_start_looks_to_the_end() {
     let plan = planned(&machine, &far, options).unwrap();
     assert_eq!((plan.summary.bead_rewinds, plan.summary.travel_rewinds), (0, 1));
     check(&machine, &far, &options, &plan);
+    // From rest to rest: up and down by 5 mm at 1000 mm/s^2, a turn at 90 degrees/s and 900 degrees/s^2.
+    let lifted: f64 = plan.of_moves.iter().flatten().filter(|motion| motion.lifted).map(|motion| motion.seconds).sum();
+    let by_hand = 2.0 * 2.0 * (5.0 * 0.5f64.cos() / 1000.0).sqrt() + 360.0 / 90.0 + 90.0 / 900.0;
+    assert!((lifted - by_hand).abs() < 1e-6, "{lifted} {by_hand}");
+    // On the way, not at an end of a bead.
+    let mut lifted = ring(from - TAU + 1.0, from, 0.5);
+    let (first, second) = (lifted.len(), ring(from, from + 300f64.to_radians(), 0.5));
+    lifted.extend([travel([0.0, 0.0, 40.0], lean(0.5, from)), travel([0.0, 1.0, 40.0], lean(0.5, from))]);
+    lifted.extend(second);
+    let plan = planned(&machine, &lifted, options).unwrap();
+    check(&machine, &lifted, &options, &plan);
+    let at = plan.of_moves.iter().position(|motions| motions.iter().any(|motion| motion.lifted));
+    assert!(at == Some(first + 1) || at == Some(first + 2), "{at:?} {first}");
 }
 
 /// Through the pole, or beside it by less than its size, the turn rests.
@@ -204,7 +217,12 @@ fn the_pole_is_passed_without_a_turn() {
 /// Where the tilt has one side only, the table must turn by half a turn at the pole: in a rewind where that would take long, slowly where not.
 #[test]
 fn a_pole_that_must_be_turned_at_cuts_fast_beads_only() {
-    let machine = head(Some([-360.0, 360.0]), [-1.0, 110.0]);
+    for least in [-1.0, 0.0] {
+        turned_at_the_pole(&head(Some([-360.0, 360.0]), [least, 110.0]));
+    }
+}
+
+fn turned_at_the_pole(machine: &FiveAxis) {
     let direction = |k: i32| [f64::from(k) * 0.03, 0.0, 1.0];
     let moves = |length: f64| {
         let tip = |k: i32| [f64::from(k) * length, 0.0, 20.0];
@@ -213,23 +231,95 @@ fn a_pole_that_must_be_turned_at_cuts_fast_beads_only() {
         moves
     };
     let options = AxisPlanOptions::default();
-    let fast = planned(&machine, &moves(1.0), options).unwrap();
-    check(&machine, &moves(1.0), &options, &fast);
+    let fast = planned(machine, &moves(1.0), options).unwrap();
+    check(machine, &moves(1.0), &options, &fast);
     assert_eq!((fast.summary.bead_rewinds, fast.summary.pole_passes), (1, 1));
     let drawn: Vec<_> = fast.of_moves.iter().flatten().filter(|motion| motion.filament_mm.abs() > 0.9).collect();
     assert!(drawn.len() == 2 && drawn[0].filament_mm < 0.0 && drawn[1].filament_mm > 0.0);
     // The pole is 13 mm wide here, 0.67 s of time; half a turn takes three times as long.
-    let slow = planned(&machine, &moves(10.0), options).unwrap();
-    check(&machine, &moves(10.0), &options, &slow);
+    let slow = planned(machine, &moves(10.0), options).unwrap();
+    check(machine, &moves(10.0), &options, &slow);
     assert_eq!((slow.summary.bead_rewinds, slow.summary.pole_passes), (0, 1));
     assert!(
         slow.summary.slowed > 0
             && slow.summary.worst_slowdown > 1.5
             && slow.summary.worst_slowdown < options.max_slowdown
     );
-    let exact = planned(&machine, &moves(1.0), AxisPlanOptions { max_slowdown: 1e6, ..options }).unwrap();
+    let patient = planned(machine, &moves(1.0), AxisPlanOptions { max_pole_wait_s: 3.0, ..options }).unwrap();
+    assert_eq!(patient.summary.bead_rewinds, 0);
+    let exact = planned(machine, &moves(1.0), AxisPlanOptions { max_slowdown: 1e6, ..options }).unwrap();
     assert_eq!(exact.summary.bead_rewinds, 0);
     assert!(exact.summary.worst_slowdown > options.max_slowdown);
+    // A travel turns on its way: there is no bead to cut, and nothing to lift off from.
+    let over: Vec<_> = moves(1.0)
+        .into_iter()
+        .map(|step| travel(super::sampled::target(&step).0.into(), super::sampled::target(&step).1.into_inner().into()))
+        .collect();
+    let over = [over, vec![print([11.0, 0.0, 20.0], direction(11))]].concat();
+    let plan = planned(machine, &over, options).unwrap();
+    check(machine, &over, &options, &plan);
+    assert_eq!((plan.summary.bead_rewinds, plan.summary.travel_rewinds), (0, 0));
+}
+
+/// Beside the pole, by little more than its size, the turn follows in small steps, on one branch.
+#[test]
+fn moves_beside_the_pole_are_followed() {
+    for machine in machines().into_iter().filter(|machine| machine.kind() != MachineKind::PolarHead) {
+        let moves = [travel([5.0, 0.0, 10.0], lean(0.05, 0.0)), print([6.0, 1.0, 10.0], lean(0.05, 2.2))];
+        let options = AxisPlanOptions::default();
+        let plan = planned(&machine, &moves, options).unwrap();
+        let found = check(&machine, &moves, &options, &plan);
+        assert_eq!((plan.summary.bead_rewinds, plan.summary.pole_passes), (0, 0));
+        let [min, max] = plan.summary.used[3];
+        assert!((max - min - 2.2).abs() < 1e-6, "{:?}: {min} to {max}", machine.kind());
+        assert!(found.direction <= options.direction_tolerance_rad);
+    }
+}
+
+/// A controller that keeps the tip on its line still turns rotary axes evenly: the direction asks for divisions of its own.
+#[test]
+fn directions_divide_moves_by_themselves() {
+    for machine in machines().into_iter().filter(FiveAxis::knows_tip) {
+        let moves = [travel([5.0, 0.0, 10.0], lean(1.0, 0.0)), print([6.0, 1.0, 10.0], lean(1.0, 0.8))];
+        for tolerance in [0.02, 0.001] {
+            let options = AxisPlanOptions { direction_tolerance_rad: tolerance, ..AxisPlanOptions::default() };
+            let plan = planned(&machine, &moves, options).unwrap();
+            let found = check(&machine, &moves, &options, &plan);
+            assert!(found.direction <= tolerance && plan.summary.max_direction_error_rad <= tolerance);
+            assert!(found.direction > 0.02 * tolerance, "{found:?}");
+        }
+    }
+}
+
+/// A tilt that does not come to upright has no pole to rest at.
+#[test]
+fn a_pole_out_of_range_is_out_of_reach() {
+    let machine = head(Some([-360.0, 360.0]), [5.0, 110.0]);
+    let moves = [travel([5.0, 0.0, 10.0], lean(0.3, 0.0)), print([6.0, 1.0, 10.0], Z)];
+    let error = failure(&machine, &moves, AxisPlanOptions::default());
+    let is_tilt = |reason| matches!(reason, Unreachable::Rotary { letter: 'B', .. });
+    assert!(matches!(error, AxisPlanError::Unreachable { index: 1, reason, .. } if is_tilt(reason)), "{error}");
+}
+
+/// On a polar machine a rewind sweeps over the part: it goes above all that stands.
+#[test]
+fn polar_rewinds_go_above_what_is_printed() {
+    let mut short = model(MachineKind::PolarHead);
+    short.linear[0].range_mm = [-1.0, 100.0];
+    let short = FiveAxis::new(short).unwrap();
+    let mut moves = vec![travel([30.0, 0.0, 60.0], Z), print([31.0, 0.0, 60.0], Z), travel([-20.0, 0.0, 5.0], Z)];
+    moves.extend((-19..20).map(|k| print([f64::from(k), 0.0, 5.0], Z)));
+    let options = AxisPlanOptions::default();
+    let plan = planned(&short, &moves, options).unwrap();
+    check(&short, &moves, &options, &plan);
+    assert_eq!(plan.summary.bead_rewinds, 1);
+    let mut last: Option<[f64; 5]> = None;
+    for motion in plan.of_moves.iter().flatten() {
+        let turn = last.map_or(0.0, |last| (motion.axes[2] - last[2]).abs());
+        let (tip, _) = short.forward(&motion.axes);
+        assert!(!motion.lifted || turn < 1e-9 || tip.z >= 60.0 + options.lift_mm - 1e-6, "{tip}");
+        last = Some(motion.axes);
+    }
 }
 
 /// Layers without a tilt move no rotary axis, wherever it stands.
@@ -253,6 +343,35 @@ fn flat_layers_leave_the_turn_alone() {
         assert_eq!(plan.summary.axis_moves, moves.len() as u64);
         assert_eq!((plan.summary.slowed, plan.summary.pole_passes), (0, 0));
     }
+}
+
+/// A range of one whole turn has both its ends at one direction: there, and only there, a bead goes on after a rewind, however far waypoints stand apart.
+#[test]
+fn one_whole_turn_is_enough() {
+    for turns in [[0.0, 360.0], [-180.0, 180.0]] {
+        let machine = head(Some(turns), [-5.0, 110.0]);
+        for (step, count) in [(0.05, 400), (0.9, 22), (TAU / 8.0, 25)] {
+            let at = |k: u32| 0.4 + f64::from(k) * step;
+            let mut moves = vec![travel([20.0, 0.0, 10.0], lean(0.5, at(0)))];
+            moves.extend((1..=count).map(|k| print([20.0, f64::from(k), 10.0], lean(0.5, at(k)))));
+            let options = AxisPlanOptions::default();
+            let plan = planned(&machine, &moves, options).unwrap();
+            check(&machine, &moves, &options, &plan);
+            let [first, last] = [at(0), at(count)].map(|at| ((at.to_degrees() - turns[0]) / 360.0).floor());
+            assert_eq!(plan.summary.bead_rewinds, (last - first) as u64, "{turns:?} {step}");
+        }
+    }
+}
+
+/// A hose of some thousand turns: a bead of thirty turns winds on.
+#[test]
+fn wide_ranges_are_used() {
+    let machine = head(Some([-12000.0, 12000.0]), [-5.0, 110.0]);
+    let moves = ring(0.0, 30.0 * TAU, 0.4);
+    let options = AxisPlanOptions::default();
+    let plan = planned(&machine, &moves, options).unwrap();
+    assert_eq!((plan.summary.bead_rewinds, plan.summary.travel_rewinds), (0, 0));
+    check(&machine, &moves, &options, &plan);
 }
 
 /// A bed that is long in one direction: upright layers that do not fit across it are turned before they begin.
@@ -426,12 +545,13 @@ fn what_cannot_be_planned_is_said() {
 fn invalid_options_are_named() {
     let machine = machine(MachineKind::HeadHead);
     type Field = (&'static str, fn(&mut AxisPlanOptions) -> &mut f64);
-    let fields: [Field; 9] = [
+    let fields: [Field; 10] = [
         ("tip_tolerance_mm", |o| &mut o.tip_tolerance_mm),
         ("travel_tolerance_mm", |o| &mut o.travel_tolerance_mm),
         ("direction_tolerance_rad", |o| &mut o.direction_tolerance_rad),
         ("pole_rad", |o| &mut o.pole_rad),
         ("max_slowdown", |o| &mut o.max_slowdown),
+        ("max_pole_wait_s", |o| &mut o.max_pole_wait_s),
         ("lift_mm", |o| &mut o.lift_mm),
         ("lift_feed_mm_s", |o| &mut o.lift_feed_mm_s),
         ("retract_mm", |o| &mut o.retract_mm),

@@ -215,3 +215,39 @@ fn what_is_out_of_reach_is_said_with_degrees() {
     let nowhere = machine.unreachable(&Point3::new(f64::NAN, 0.0, 0.0), &Vector3::z_axis());
     assert_eq!(nowhere, Some(Unreachable::NotFinite));
 }
+
+/// Of a whole part the worst place is named, wherever it comes.
+#[test]
+fn the_worst_place_of_a_part_is_named() {
+    let machine = super::models::machine(MachineKind::HeadHead);
+    let place = |degrees: f64, x: f64| {
+        let angle = degrees.to_radians();
+        (Point3::new(x, 0.0, 0.0), UnitVector3::new_normalize(Vector3::new(0.0, -angle.sin(), angle.cos())))
+    };
+    let places = [place(0.0, 0.0), place(115.0, 0.0), place(0.0, 900.0), place(130.0, 3.0), place(120.0, 0.0)];
+    let reach = machine.reach(places);
+    assert_eq!((reach.places, reach.unreachable), (5, 4));
+    let worst = reach.worst.unwrap();
+    assert_eq!((worst.index, worst.tip), (3, Point3::new(3.0, 0.0, 0.0)));
+    assert!(matches!(worst.reason, Unreachable::Rotary { beyond, .. } if (beyond - 20f64.to_radians()).abs() < 1e-9));
+    let far = machine.reach([place(0.0, 700.0), place(0.0, 900.0), place(0.0, 800.0)]);
+    assert_eq!(far.worst.map(|worst| worst.index), Some(1));
+    let all = machine.reach(places[..1].iter().copied());
+    assert_eq!((all.unreachable, all.worst), (0, None));
+}
+
+/// A nutating head reaches the horizon, and not a hair more: rounding does not put it out of reach.
+#[test]
+fn the_border_of_the_reach_is_reached() {
+    let mut model = super::models::model(MachineKind::HeadHead);
+    model.rotary[1] = rotary('B', AxisMount::Head, [0.0, 1.0, 1.0], Some([-190.0, 190.0]));
+    let machine = FiveAxis::new(model).unwrap();
+    for k in 0..500 {
+        let azimuth = TAU * f64::from(k) / 500.0;
+        let horizon = UnitVector3::new_normalize(Vector3::new(azimuth.cos(), azimuth.sin(), 0.0));
+        assert!(machine.inverse(&Point3::origin(), &horizon, &machine.start()).count() > 0, "{k}");
+        let below = UnitVector3::new_normalize(Vector3::new(azimuth.cos(), azimuth.sin(), -0.01));
+        let why = machine.unreachable(&Point3::origin(), &below);
+        assert!(matches!(why, Some(Unreachable::Direction { beyond }) if (beyond - 0.01).abs() < 1e-6), "{why:?}");
+    }
+}

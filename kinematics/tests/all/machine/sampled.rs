@@ -158,6 +158,8 @@ fn check_lifted(
         let is_polar = machine.kind() == MachineKind::PolarHead;
         let height = if is_polar { up.dot(&(there - tip)) } else { direction.dot(&(there - tip)) };
         assert!(height >= -1e-7, "lifted to {height}");
+        let place = tip + direction * options.lift_mm;
+        assert!(!turns || is_polar || (there - place).norm() <= 0.05 * options.lift_mm + 1e-6, "strays to {there}");
         assert!(!turns || height >= if is_polar { 0.0 } else { 0.9 * options.lift_mm }, "turns at {height}");
     }
 }
