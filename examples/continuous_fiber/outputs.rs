@@ -293,7 +293,7 @@ fn report_layer(run: &Run, report: &mut Report) {
     }
     if let Some(moved) = &run.moved {
         report.paragraph(&format!(
-            "{}: {} for {} of the arc, {:.0} s, {}. On them the contact line is within {:.3} mm of the centre line, the \
+            "{}: {} for the {} of the arc, {:.0} s, {}. On them the contact line is within {:.3} mm of the centre line, the \
              roller within {:.2} degrees of it, mounted at {:.0} degrees. The body of the cell's nozzle stands for that of the roller.",
             moved.cell,
             counted(moved.runs, "motion"),
