@@ -31,6 +31,23 @@ fn golden_programs() {
     }
 }
 
+/// Each excerpt of the flavours' page stands in the program of the flavour that is named last before it; each flavour has one.
+#[test]
+fn the_excerpts_of_the_page() {
+    let page = include_str!("../../docs/flavours.md");
+    let mut shown = Vec::new();
+    for (at, _) in page.match_indices("```text\n") {
+        let (before, block) = (&page[..at], &page[at + "```text\n".len()..]);
+        let excerpt = block.split("```").next().unwrap();
+        let named = |name: &&&str| before.rfind(&format!("`{name}`"));
+        let name = Flavour::names().iter().filter(|name| named(name).is_some()).max_by_key(|name| named(name)).unwrap();
+        let (file, _) = program(&flavour(name));
+        assert!(file.replace('\r', "").contains(excerpt), "{name}:\n{excerpt}");
+        shown.push(*name);
+    }
+    assert_eq!(shown, Flavour::names());
+}
+
 /// By hand: the second bead goes 3.36 mm by x, 3 by y and 4.96 by z in half a second, the third one turns by 14.5 degrees in a tenth.
 #[test]
 fn lines_by_hand() {
