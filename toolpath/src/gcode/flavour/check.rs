@@ -33,8 +33,8 @@ impl Flavour {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn check(&self) -> Result<(), FlavourError> {
-        let texts = self.check_texts();
-        let problem = texts.and_then(|()| self.check_words()).and_then(|()| self.check_numbers());
+        let numbers = self.check_numbers();
+        let problem = numbers.and_then(|()| self.check_texts()).and_then(|()| self.check_words());
         problem.and_then(|()| self.check_filament()).map_err(|(field, problem)| FlavourError {
             flavour: self.name.clone(),
             field,

@@ -6,7 +6,9 @@
 //! [`write_axis_moves`] writes moves of a machine's axes, which a planner of that machine has made.
 //!
 //! T. Kramer, F. Proctor, E. Messina, *The NIST RS274/NGC Interpreter, Version 3*, NISTIR 6556, 2000, section 2.1.2.5, says what a feed is of; controllers differ
-//! ([`FeedOf`]). Sources of each flavour: the docs of its function in `built_in.rs`, and `docs/flavours.md`.
+//! ([`FeedOf`]). Sources of each flavour: the docs of its function in `built_in.rs`, and `docs/flavours.md`, which follows.
+//!
+#![doc = include_str!("../../../docs/flavours.md")]
 
 mod axis_move;
 mod axis_write;
