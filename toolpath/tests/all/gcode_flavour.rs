@@ -129,6 +129,11 @@ fn flavours_that_cannot_be() {
             |f| f.direction = Direction::Vector { words: ["A3=".into(), "B3=".into(), "A3=".into()] },
             "`direction.words[2]`: the word `A3=` is that of `direction.words[0]`, too",
         ),
+        (
+            "siemens",
+            |f| f.direction = Direction::Vector { words: ["X".into(), "B3=".into(), "C3=".into()] },
+            "`direction.words[0]`: the word `X` is that of `the tip`, too",
+        ),
         ("linuxcnc", |f| f.feed.max = f64::NAN, "`feed.max`: NaN is not above 0 and up to 1e9"),
         ("linuxcnc", |f| f.feed.time = None, "`feed.prefer_time`: there is no `feed.time`"),
         (
@@ -268,6 +273,9 @@ fn what_does_not_go_together() {
     let error =
         written_part(&dome(), &flavour("marlin"), &ProgramOptions { start: Some("G28\nM104 S{temp}"), ..options() });
     assert!(error.unwrap_err().to_string().starts_with("the start, line 2: `{temp}` is not one of name, nozzle, bed"));
+    let slow = ProgramOptions { first_feed_mm_s: 0.0, ..options() };
+    let error = written_part(&dome(), &flavour("marlin"), &slow).unwrap_err().to_string();
+    assert_eq!(error, "the option `first_feed_mm_s` is 0: it must be from 0.001 to 1e5 mm/s");
     let short = Flavour {
         lines: LineRules { max_length: 32, ..flavour("klipper").lines },
         cool_down: Vec::new(),
@@ -336,6 +344,16 @@ fn commands_of_the_part() {
     assert!(matches!(again[7], Move::Lay { .. }) && again[8..] == moves[8..]);
     let error = written_part(&moves, &flavour("siemens"), &quiet).unwrap_err().to_string();
     assert_eq!(error, "the flavour `siemens`: `commands.roller_wait`: move 4 needs it, and it has no line");
+    // A direction behind a checksum.
+    let numbers = LineNumbers { prefix: "N".into(), first: 0, step: 1, comments: false, checksum: true };
+    let lines = LineRules { numbers: Some(numbers), max_length: 200, ..flavour("klipper").lines };
+    let comment = Flavour { direction: Direction::Comment, lines, ..flavour("klipper") };
+    let (file, result) = written_part(&dome(), &comment, &quiet).unwrap();
+    assert!(file.contains(" X9.9 Y3 Z0.45 E0.11073 F1200*") && file.contains(" ;DIR:0.299983 0 0.953945\n"), "{file}");
+    let reader = FlavourReader::new(file.as_bytes(), &comment, FlavourReadOptions::default()).unwrap();
+    let leans = reader.map(Result::unwrap).filter_map(|item| crate::gcode_common::place(&item));
+    assert!((leans.map(|(_, axis)| axis.z).fold(1.0, f64::min) - 0.8).abs() < 1e-6);
+    assert!((result.max_tilt - 0.8f64.acos()).abs() < 1e-12);
     // A reader of the owner's lines.
     let file = "M42 P1\nG0 X1 Y2 Z3 F60\n";
     let read = |skip_others| {

@@ -38,7 +38,8 @@ fn machine_files_have_the_flavour_of_a_controller() {
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         fs::read_to_string(Path::new(out).join("toolpath.gcode")).unwrap()
     };
-    let plain = GcodeReader::new(printed(&scratch.path("plain"), &[]).as_bytes(), ReadOptions::default()).unwrap();
+    let plain = printed(&scratch.path("plain"), &[]);
+    let plain = GcodeReader::new(plain.as_bytes(), ReadOptions::default()).unwrap();
     let plain: Vec<gcode::Move> = plain.collect::<Result<_, _>>().unwrap();
     let mut ends = Vec::new();
     for name in ["siemens", "heidenhain", "klipper", "marlin"] {

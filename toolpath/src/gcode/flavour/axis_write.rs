@@ -28,7 +28,7 @@ use std::io::Write;
 /// [`WriteError`] names the move, the axis, or the field of the flavour that cannot be.
 ///
 /// # Cost
-/// Constant memory; about a microsecond a move. Goes out in pieces of about 32 KiB.
+/// Constant memory, `O(1)` a move. Goes out in pieces of about 32 KiB.
 ///
 /// # Example
 /// ```

@@ -17,7 +17,7 @@ const FEED: [f64; 2] = [1e-9, 1e9];
 /// How a program is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlavourReadOptions {
-    /// Pass over lines that are none of the flavour, instead of refusing them. Those with a `G` are never passed over, for they could move. Default false.
+    /// Pass over lines that the flavour does not have, instead of refusing them. Those with a `G` are never passed over, for they could move. Default false.
     pub skip_others: bool,
 }
 
@@ -249,7 +249,9 @@ impl<R: BufRead> Blocks<R> {
                 && rest[..word.len()].eq_ignore_ascii_case(word.as_bytes())
                 && (after.is_ascii_digit() || b"+-. ".contains(&after))
         };
-        let Some(slot) = self.words.iter().position(|word| fits(&word)) else {
+        // Of `C` and `C1=` the longer one.
+        let fitting = self.words.iter().enumerate().filter(|(_, word)| fits(word));
+        let Some((slot, _)) = fitting.max_by_key(|(_, word)| word.len()) else {
             return Err(self.lines.unexpected(at, "a word of this flavour"));
         };
         self.lines.skip(self.words[slot].len());
@@ -278,10 +280,9 @@ impl<R: BufRead> Blocks<R> {
     fn direction_comment(&mut self) -> Result<(), ReadError> {
         let open = self.flavour.comment.open.clone();
         let tag = format!("{open}{}", &COMMENT[1..]);
-        if !self.lines.rest().starts_with(tag.as_bytes()) {
-            return Ok(());
-        }
-        self.lines.skip(tag.len());
+        // A checksum may stand before it.
+        let Some(at) = find(self.lines.rest(), tag.as_bytes()) else { return Ok(()) };
+        self.lines.skip(at + tag.len());
         let mut direction = [0.0; 3];
         for number in &mut direction {
             self.lines.skip_spaces();

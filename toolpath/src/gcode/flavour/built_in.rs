@@ -22,6 +22,7 @@
 //! What each controller means by `F` with rotary axes stands at [`FeedOf`], the choice in the flavour. The LinuxCNC ones are read line by line by its own
 //! interpreter in a test; the others follow the manuals and have not been tried on the controller.
 
+use super::axis_move::MachineAxis;
 use super::data::*;
 
 /// Names of the built-in flavours, in the order of the table.
@@ -50,7 +51,7 @@ impl Flavour {
         &NAMES
     }
 
-    /// The built-in flavour of a name, in lower case; `None` where there is none.
+    /// The built-in flavour of a name, in lower case; `None` for a name that is not known.
     ///
     /// # Example
     /// ```
@@ -81,6 +82,31 @@ impl Flavour {
             _ => return None,
         };
         Some(Flavour { name: name.to_owned(), ..flavour })
+    }
+}
+
+impl Flavour {
+    /// The flavour for a machine: where the extruder has the letter of an axis of the machine, it gets the first free one of U, V, W, A, B, C.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::gcode::flavour::{FilamentWords, Flavour, MachineAxis};
+    /// let machine = [MachineAxis::linear('X'), MachineAxis::rotary('A'), MachineAxis::rotary('U')];
+    /// let flavour = Flavour::built_in("linuxcnc").ok_or("not built in")?.for_machine(&machine);
+    /// let FilamentWords::Axis { word, zero, .. } = flavour.filament else { return Err("no axis") };
+    /// assert_eq!((word.as_str(), zero.as_str()), ("V", "G92 V0"));
+    /// # Ok::<(), &str>(())
+    /// ```
+    pub fn for_machine(mut self, machine: &[MachineAxis]) -> Flavour {
+        let has = |letter: char| machine.iter().any(|axis| axis.letter.eq_ignore_ascii_case(&letter));
+        if let FilamentWords::Axis { word, zero, .. } = &mut self.filament
+            && let Some(taken) = word.chars().next().filter(|letter| has(*letter))
+            && let Some(free) = ['U', 'V', 'W', 'A', 'B', 'C'].into_iter().find(|letter| !has(*letter))
+        {
+            *word = word.replacen(taken, &free.to_string(), 1);
+            *zero = zero.replace(&format!(" {taken}0"), &format!(" {free}0"));
+        }
+        self
     }
 }
 

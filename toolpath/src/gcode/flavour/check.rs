@@ -140,6 +140,9 @@ impl Flavour {
     fn check_numbered(&self) -> Result<(), (String, String)> {
         let wrong = |field: &str, problem: &str| Err((field.to_owned(), problem.to_owned()));
         let mut words: Vec<(String, &str)> = vec![("feed.word".into(), &self.feed.word)];
+        if self.direction != Direction::Axes {
+            words.extend(["X", "Y", "Z"].map(|word| ("the tip".to_owned(), word)));
+        }
         for (row, axis) in self.axes.iter().enumerate() {
             words.push((format!("axes[{row}].word"), &axis.word));
             if !axis.axis.is_ascii_uppercase() {
@@ -215,7 +218,7 @@ impl Flavour {
         if !numbers.prefix.bytes().all(|byte| byte.is_ascii_alphabetic()) {
             return Err(("lines.numbers.prefix".into(), "it must be letters, or nothing".into()));
         }
-        if numbers.checksum && !self.comment.close.is_empty() {
+        if numbers.checksum && (self.comment.open != ";" || !self.comment.close.is_empty()) {
             return Err((
                 "lines.numbers.checksum".into(),
                 "RepRap's checksums go with comments that begin with `;`".into(),

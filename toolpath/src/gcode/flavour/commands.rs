@@ -8,7 +8,7 @@ use crate::gcode::{CELSIUS, DWELL, FILAMENT, FULL_FAN, Move, SHARE, within};
 /// A command, its value in a text, and the move that it makes.
 struct Command<'a> {
     lines: &'a [String],
-    /// Name of the value; empty where there is none.
+    /// Name of the value; empty for a command without one.
     name: &'static str,
     /// Range of the value, in the units of the move.
     range: [f64; 2],

@@ -225,7 +225,7 @@ pub enum FilamentWords {
         relative: bool,
         /// The line that says how numbers count: `M82`, `M83`; may be empty.
         mode: String,
-        /// The line that calls the present position 0, `G92 E0`; empty where there is none: then positions grow without end.
+        /// The line that calls the present position 0, `G92 E0`; empty for controllers without such a line: positions grow without end there.
         zero: String,
         /// How many millimetres of filament the position may reach before it is set back to 0, from 10 up; needs `zero`.
         reset_mm: Option<f64>,

@@ -39,8 +39,10 @@ impl<'a, W: Write> Output<'a, W> {
 
     /// A comment alone, given without its signs.
     pub fn comment(&mut self, text: &str) -> Result<(), WriteError> {
-        // What would end the comment, or is no ASCII, becomes a sign that does neither.
-        let plain = |c: char| if c.is_ascii_graphic() && !self.comment.close.contains(c) || c == ' ' { c } else { '_' };
+        // What would end the comment, begin another one in it, or is no ASCII, becomes a sign that does neither.
+        let Comment { open, close } = self.comment;
+        let ends = |c: char| close.contains(c) || (!close.is_empty() && open.contains(c));
+        let plain = |c: char| if (c.is_ascii_graphic() && !ends(c)) || c == ' ' { c } else { '_' };
         let text: String = text.chars().map(plain).collect();
         let space = if self.comment.close.is_empty() { " " } else { "" };
         let comment = format!("{}{space}{text}{}", self.comment.open, self.comment.close);

@@ -25,7 +25,7 @@ use std::io::Write;
 /// [`Direction::Axes`] takes [axis moves](super::write_axis_moves).
 ///
 /// # Cost
-/// Constant memory; about a microsecond a move. Goes out in pieces of about 32 KiB.
+/// Constant memory, `O(1)` a move. Goes out in pieces of about 32 KiB.
 ///
 /// # Example
 /// ```

@@ -11,7 +11,7 @@ use crate::gcode::fiber::{self, FIBER_DECIMALS, FiberCommand, Head};
 use crate::gcode::tags::{Mark, Tagged, Tags};
 use crate::gcode::text::{Text, steps};
 use crate::gcode::write::{WriteOptions, check_options, number};
-use crate::gcode::{CELSIUS, COORDINATE, DWELL, FEED, FILAMENT, FULL_FAN, Move, SHARE, WriteError};
+use crate::gcode::{CELSIUS, COORDINATE, DWELL, FEED, FILAMENT, FULL_FAN, Move, SHARE, WriteError, within};
 use std::io::Write;
 
 /// Shortest and longest time of a line, seconds.
@@ -58,7 +58,10 @@ impl<'a, W: Write> Program<'a, W> {
         flavour.check()?;
         let ProgramOptions { name, nozzle_celsius, bed_celsius, fan, retraction, end, .. } = *options;
         check_options(&WriteOptions { nozzle_celsius, bed_celsius, fan, retraction, end, ..WriteOptions::default() })?;
-        number(0, "first_feed_mm_s", options.first_feed_mm_s, FEED)?;
+        if !within(options.first_feed_mm_s, FEED) {
+            let (value, need) = (options.first_feed_mm_s, "it must be from 0.001 to 1e5 mm/s");
+            return Err(WriteError::Option { what: "first_feed_mm_s", value, need });
+        }
         let plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
         if name.is_empty() || name.len() > 32 || !name.bytes().all(plain) {
             let problem = "a program's name has 1 to 32 letters, digits, `-` and `_`".into();
