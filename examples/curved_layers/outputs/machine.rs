@@ -26,6 +26,7 @@ use curvlay_toolpath::support::UnsupportedPiece;
 use curvlay_toolpath::vtp::write_paths_vtp;
 use serde_json::Value;
 use std::io;
+use std::path::Path;
 
 const MACHINE_FILE: &str = "toolpath.gcode";
 
@@ -154,10 +155,11 @@ fn write_in(
     written.map(|all| all.written).map_err(|error| failure(format!("{MACHINE_FILE}: {error}")))
 }
 
-/// A name that controllers take, from that of the part.
+/// A name that controllers take, from that of the part, without the ending of its file.
 fn program_name(name: &str) -> String {
+    let stem = Path::new(name).file_stem().map_or_else(|| name.into(), |stem| stem.to_string_lossy());
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-    let name: String = name.chars().map(plain).take(32).collect();
+    let name: String = stem.chars().map(plain).take(32).collect();
     if name.is_empty() { "part".to_owned() } else { name }
 }
 
