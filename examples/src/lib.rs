@@ -6,6 +6,7 @@ pub mod args;
 pub mod axis_program;
 pub mod bars;
 pub mod clock;
+pub mod count;
 mod finding;
 pub mod findings;
 mod html;

@@ -16,6 +16,7 @@
 //! * URScript ([`write_urscript`], [`UrScriptReader`]): `movel` or `movep`, `movej`, `servoj`;
 //!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder. [`UrScriptOptions`] states the same.
 //! * KRL ([`write_krl`], [`read_krl`]) for KUKA controllers: `LIN` with `C_DIS`, or spline blocks, and `PTP`; triggers on the path for the extruder.
+//! * TP ([`write_tp`], [`read_tp`]) for Fanuc controllers, as ASCII: `L` and `J` with `FINE` or `CNT`, positions behind the instructions.
 //! * CSV ([`write_csv`], [`CsvReader`]): every bit of a step, for other programs.
 //!
 //! No reader gives a number that is not finite, or one beyond 1e6 (mm, rad, s).
@@ -35,7 +36,7 @@
 //! # Who stands on whom
 //!
 //! Workcells are not known here. The rooms, from below: `step` (steps, what makes them), `check` (steps judged before they are written,
-//! seconds of a program), `text` (numbers, words and names in files), the formats `csv`, `rapid`, `urscript` and `krl`, and beside them `dome`
+//! seconds of a program), `text` (numbers, words and names in files), the formats `csv`, `rapid`, `urscript`, `krl` and `tp`, and beside them `dome`
 //! (programs of drawings). [`link`] streams steps. No format knows another one.
 
 mod check;
@@ -47,6 +48,7 @@ pub mod link;
 mod rapid;
 mod step;
 mod text;
+mod tp;
 mod urscript;
 
 pub use crate::target::{ConfData, Target};
@@ -67,6 +69,7 @@ pub use step::{
     TimedJoints, TimedSignal, Zone, lifted, resample, strokes,
 };
 pub use text::tokens::ReadError;
+pub use tp::{TpOptions, TpProgram, TpWritten, read_tp, write_tp};
 pub use urscript::{
     FILAMENT_FULL_SCALE_MM_S, Straight, UrExtruder, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
 };

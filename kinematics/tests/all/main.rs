@@ -24,6 +24,7 @@ mod program_prints;
 mod program_rapid;
 mod program_servo;
 mod program_signals;
+mod program_tp;
 mod program_urscript;
 mod roller;
 mod rows;

@@ -42,6 +42,11 @@ const KRL_RESERVED: &str = "\
     LIN LIN_REL LOOP MINIMUM MAXIMUM NOT OFF ON OR POS AXIS E6POS E6AXIS PRIO PTP PTP_REL PUBLIC PULSE REAL REPEAT RESUME \
     RETURN SCIRC SIGNAL SLIN SPL SPLINE SPTP STRUC SWITCH SYNC THEN TO TRIGGER TRUE UNTIL WAIT WHEN WHILE WITH BAS IR_STOPM";
 
+/// Programs that a Fanuc controller has by itself, and words of its instructions (*B-83284EN*). Case does not count.
+const TP_RESERVED: &str = "\
+    ABORT ALL AR BGLOGIC CALL COL CON DO DI ENDFOR END FOR IF JMP LBL LOCK MAIN MONITOR OFF ON OVERRIDE PAUSE PR PRN RI RO \
+    RESUME_PROG RUN SELECT SKIP SR STOP TIMER TO UALM UNLOCK WAIT";
+
 /// Letters that begin a name of RAPID's speeds and zones, before digits only.
 const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
 
@@ -51,6 +56,7 @@ pub(crate) enum Language {
     Rapid,
     UrScript,
     Krl,
+    Tp,
 }
 
 /// Whether the language keeps a name for itself, and why.
@@ -62,6 +68,7 @@ fn kept(language: Language, name: &str) -> Option<&'static str> {
             Some("RAPID has something else of that name")
         }
         Language::Krl if has(KRL_RESERVED) => Some("it is a word of KRL"),
+        Language::Tp if has(TP_RESERVED) => Some("the controller has a program or an instruction of that name"),
         Language::UrScript if URSCRIPT_RESERVED.split_ascii_whitespace().any(|word| word == name) => {
             Some("it is a word of URScript")
         }
