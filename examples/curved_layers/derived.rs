@@ -10,7 +10,7 @@ use crate::job::Posed;
 use crate::ranges::LayerFill;
 use crate::surfaces::{SurfaceOptions, SurfacesRun};
 use clap::ArgMatches;
-use curvlay_examples::args::{Failure, GrowArgs, Part, typed_name};
+use curvlay_examples::args::{Failure, GrowArgs, Part, is_typed, typed_name};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::orienting::{laid, search};
@@ -20,6 +20,7 @@ use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{LayerOptions, Rules};
 use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::gcode::WriteError;
 use curvlay_toolpath::gouging::Nozzle;
 use curvlay_toolpath::path::PathOptions;
 use curvlay_toolpath::plan::PrintOptions;
@@ -56,11 +57,27 @@ impl Args {
         if !self.motion.cell8 && self.motion.workcell.is_none() {
             self.motion.workcell = self.settings.workcell.take();
         }
-        self.settings.check_templates().map_err(|error| match &self.profile {
+        self.loaded_flavour = self.settings.load_flavour()?;
+        self.check_machine_file(matches)?;
+        Ok(self)
+    }
+
+    /// What would be wrong with the machine file however the part looks.
+    fn check_machine_file(&self, matches: &ArgMatches) -> Result<(), Failure> {
+        let of_profile = |error: WriteError| match &self.profile {
             Some(path) => failure(format!("{}: {error}", path.display())),
             None => failure(error),
-        })?;
-        Ok(self)
+        };
+        let Some(flavour) = &self.loaded_flavour else {
+            return self.settings.check_templates().map_err(of_profile);
+        };
+        let is_ignored = |id: &str| is_typed(matches, id) && (id == "dialect" || !self.rotary);
+        if let Some(id) = ["dialect", "extrusion", "line_numbers"].into_iter().find(|id| is_ignored(id)) {
+            let (option, name) = (id.replace('_', "-"), &flavour.name);
+            let why = format!("--{option} does nothing in the flavour `{name}`, which says it itself: change its JSON");
+            return Err(Failure::of_arguments(why));
+        }
+        self.settings.check_flavour(flavour).map_err(of_profile)
     }
 
     /// The files that it reads.

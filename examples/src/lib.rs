@@ -3,6 +3,7 @@
 //! them.
 
 pub mod args;
+pub mod axis_program;
 pub mod bars;
 pub mod clock;
 pub mod count;

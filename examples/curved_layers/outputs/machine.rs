@@ -18,6 +18,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
+use curvlay_toolpath::gcode::flavour::{Flavour, FlavourWritten, ProgramOptions, write_flavour};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
 use curvlay_toolpath::gouging::{Obstacle, ResolvedPaths};
 use curvlay_toolpath::orientation::ToolPath;
@@ -26,13 +27,21 @@ use curvlay_toolpath::support::UnsupportedPiece;
 use curvlay_toolpath::vtp::write_paths_vtp;
 use serde_json::Value;
 use std::io;
+use std::path::Path;
+
+const MACHINE_FILE: &str = "toolpath.gcode";
 
 /// Writes the tool paths and the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
 pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
     let templates = args.settings.templates();
     let options = args.settings.write_options(&templates);
     folder.write_with("paths.vtp", |out| write_paths_vtp(&run.resolved.paths, &run.deposition.moves, out))?;
-    let written = write(run, &options, "toolpath.gcode", folder)?;
+    let written = match &args.loaded_flavour {
+        Some(flavour) => {
+            write_in(run, flavour, &args.settings.program_options(&program_name(name), &templates), folder)?
+        }
+        None => write(run, &options, MACHINE_FILE, folder)?,
+    };
     let failed = |error: CamError| match error {
         CamError::Io(error) => error,
         error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
@@ -127,6 +136,32 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
         })
         .or_else(|error| if written.is_ok() { Err(error) } else { Ok(()) })?;
     written.map_err(|error| failure(format!("{name}: {error}")))
+}
+
+/// The same in a flavour, with the flavour beside it, to copy from.
+fn write_in(
+    run: &MachineRun,
+    flavour: &Flavour,
+    options: &ProgramOptions,
+    folder: &OutputFolder,
+) -> Result<Written, Failure> {
+    let mut written = Ok(FlavourWritten::default());
+    folder
+        .write_with(MACHINE_FILE, |out| {
+            written = write_flavour(run.moves(), flavour, options, out);
+            written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
+        })
+        .or_else(|error| if written.is_ok() { Err(error) } else { Ok(()) })?;
+    folder.write("flavour.json", serde_json::to_string_pretty(flavour).map_err(failure)? + "\n")?;
+    written.map(|all| all.written).map_err(|error| failure(format!("{MACHINE_FILE}: {error}")))
+}
+
+/// A name that controllers take, from that of the part, without the ending of its file.
+fn program_name(name: &str) -> String {
+    let stem = Path::new(name).file_stem().map_or_else(|| name.into(), |stem| stem.to_string_lossy());
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    let name: String = stem.chars().map(plain).take(32).collect();
+    if name.is_empty() { "part".to_owned() } else { name }
 }
 
 /// The share of the part that is laid, and of how much, in words.

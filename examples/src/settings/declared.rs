@@ -116,6 +116,10 @@ pub struct Settings {
     /// How the machine file gives the direction of the nozzle
     #[arg(long, value_enum, default_value_t = Words::Comment, help_heading = FILES)]
     pub dialect: Words,
+    /// G-code flavour of the machine file: klipper, marlin, siemens, heidenhain, or a JSON file of one (toolpath/docs/flavours.md) [default: tip and direction as
+    /// --dialect gives them]
+    #[arg(long, value_name = "NAME|FILE", help_heading = FILES)]
+    pub flavour: Option<String>,
     /// How the machine file counts filament
     #[arg(long, value_enum, default_value_t = Count::Absolute, help_heading = FILES)]
     pub extrusion: Count,

@@ -5,6 +5,7 @@
 //! of a printer knows: [`LAYER_HEIGHT_MM`] and [`BEAD_MM`].
 
 mod declared;
+mod flavour;
 mod library;
 mod profile;
 mod rules;
