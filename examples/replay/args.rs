@@ -31,15 +31,15 @@ pub struct Args {
     #[arg(long = "part-turn", value_name = "DEG", value_parser = finite, allow_negative_numbers = true)]
     pub part_turn_deg: Option<f64>,
     /// What is taken off x and y of the turned part, in millimetres, as X,Y [default: that of summary.json beside the plan, else 0,0]
-    #[arg(long = "part-shift", value_name = "X,Y", value_delimiter = ',', num_args = 2, value_parser = finite, allow_negative_numbers = true)]
-    pub part_shift_mm: Option<Vec<f64>>,
+    #[arg(long = "part-shift", value_name = "X,Y", value_parser = list::<2>, allow_negative_numbers = true)]
+    pub part_shift_mm: Option<[f64; 2]>,
     /// Seconds that the program should take [default: that of summary.json in the folder, else what its own speeds and times say]
     #[arg(long = "planned-time", value_name = "S", value_parser = above_zero, allow_negative_numbers = true)]
     pub planned_s: Option<f64>,
     /// Diameter of the tip, half angle of the cone in degrees, height of the cone, diameter of the block, in millimetres [default: of the workcell, of
     /// summary.json, else 1,45,8,20]
-    #[arg(long, value_name = "TIP,DEG,CONE,BLOCK", value_delimiter = ',', num_args = 4, value_parser = above_zero)]
-    pub nozzle: Option<Vec<f64>>,
+    #[arg(long, value_name = "TIP,DEG,CONE,BLOCK", value_parser = list::<4>)]
+    pub nozzle: Option<[f64; 4]>,
     /// Diameter of the filament in millimetres [default: that of summary.json, else 1.75]
     #[arg(long = "filament", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub filament_mm: Option<f64>,
@@ -100,9 +100,9 @@ pub struct ControllerArgs {
 #[derive(clap::Args, Clone, Copy, Debug, serde::Serialize)]
 #[command(next_help_heading = "Checks")]
 pub struct AllowArgs {
-    /// Difference to the planned time, as a share of it
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = from_zero, allow_negative_numbers = true)]
-    pub allow_time: f64,
+    /// Difference to the planned time, as a share of it [default: 0.01; 0.03 for robots that go by their own speeds instead of a stream]
+    #[arg(long, value_name = "SHARE", value_parser = from_zero, allow_negative_numbers = true)]
+    pub allow_time: Option<f64>,
     /// Speeds, accelerations and jerks as shares of the limits; differences between ticks are not exact
     #[arg(long, value_name = "SHARE", default_value_t = 1.05, value_parser = above_zero, allow_negative_numbers = true)]
     pub allow_limits: f64,
@@ -135,6 +135,12 @@ pub struct AllowArgs {
 fn finite(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if value.abs() <= 1e6 { Ok(value) } else { Err("must be within 1e6".to_owned()) }
+}
+
+/// Numbers with commas between them.
+fn list<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(|word| finite(word.trim())).collect();
+    numbers?.try_into().map_err(|_| format!("must be {N} numbers with commas between them"))
 }
 
 fn rate(text: &str) -> Result<f64, String> {

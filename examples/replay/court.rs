@@ -60,7 +60,6 @@ impl<'a> Court<'a> {
     pub fn new(
         machine: &'a Machine,
         tick_s: f64,
-        judges_jerk: bool,
         (nozzle, plate_mm): (Nozzle, Option<f64>),
         allow: &AllowArgs,
         plan: Option<Tip<'a>>,
@@ -70,7 +69,7 @@ impl<'a> Court<'a> {
             machine,
             tick_s,
             nozzle,
-            joints: Joints::new(machine.limits(), tick_s, judges_jerk, allow.allow_limits),
+            joints: Joints::new(machine.limits(), tick_s, allow.allow_limits),
             tip: plan,
             deposit: Deposit::new(tick_s, allow.allow_area),
             contact: Contact::new(nozzle, plate_mm, tick_s, allow.allow_contact),

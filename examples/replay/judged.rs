@@ -66,7 +66,7 @@ impl Judged<'_> {
             return;
         }
         let off = (seconds / planned - 1.0).abs();
-        if off > self.args.allow.allow_time {
+        if off > self.args.allow.allow_time.unwrap_or(0.0) {
             let amount = format!("{seconds:.1} s instead of {planned:.1} s, {}", percent(off));
             let what = format!("the program takes another time than {whose}");
             let finding = self.findings.explain(Severity::Failed, what, amount, "");
@@ -94,6 +94,17 @@ impl Judged<'_> {
             self.findings
                 .explain(Severity::Failed, "targets are reached in other quarter turns than their configuration data say", amount, self.at(&worst))
                 .cause("a joint was turned by a whole turn, or the branch of the arm is another; with ConfL\\On the controller stops there");
+        }
+        if let (count @ 1.., Some(at)) = obstacles.endless {
+            let worst = Worst { place: at, ..Worst::default() };
+            self.findings
+                .explain(
+                    Severity::Failed,
+                    "moves or waits take more than a day and are left out",
+                    count.to_string(),
+                    self.at(&worst),
+                )
+                .cause("a speed or a time with a wrong unit");
         }
         if let (count @ 1.., Some(at)) = obstacles.cut {
             let worst = Worst { place: at, ..Worst::default() };

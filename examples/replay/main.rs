@@ -23,7 +23,6 @@ mod setup;
 mod trace;
 
 pub use args::Args;
-use controller::Profile;
 use court::Court;
 use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
@@ -52,13 +51,12 @@ fn main() -> ExitCode {
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Table>, Outcome), Failure> {
     let start = Instant::now();
     let setup = Setup::new(args)?;
+    let args = &with_time(args, &setup);
     keep_apart(args, folder)?;
     let plan = setup.beads()?.map(|beads| Tip::new(beads, args.allow.allow_tip));
     folder.clear(outputs::is_ours)?;
-    // Trapezoids have jumps of acceleration, so their jerk would be that of the clock.
-    let judges_jerk = setup.model.profile == Profile::SCurve || setup.files.kind == Kind::UrScript;
     let nozzle = (setup.nozzle, setup.plate_mm);
-    let mut court = Court::new(&setup.machine, setup.model.tick_s(), judges_jerk, nozzle, &args.allow, plan);
+    let mut court = Court::new(&setup.machine, setup.model.tick_s(), nozzle, &args.allow, plan);
     let table = if args.joints { Some(folder.begin(outputs::JOINTS)?) } else { None };
     let unfinished = match table {
         Some((unfinished, file)) => {
@@ -80,6 +78,14 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Tabl
     let outcome = findings.outcome();
     let run = outputs::Run { args, setup: &setup, executed, court, findings };
     Ok((outputs::write(run, folder, start.elapsed())?, outcome))
+}
+
+/// Moves that go by their own speeds take longer by their accelerations; streams and lines under `G93` have their time.
+fn with_time(args: &Args, setup: &Setup) -> Args {
+    let by_speeds = matches!(setup.files.kind, Kind::Rapid | Kind::Csv);
+    let mut args = args.clone();
+    args.allow.allow_time.get_or_insert(if by_speeds { 0.03 } else { 0.01 });
+    args
 }
 
 /// The run in the folder of the program would lose its summary and its report to this one.

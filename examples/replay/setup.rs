@@ -103,8 +103,7 @@ impl Setup {
             }
             Machine::Rotary(_) => None,
         };
-        let given = args.nozzle.as_ref().and_then(|sizes| <[f64; 4]>::try_from(sizes.clone()).ok());
-        let sizes = given.or(of_cell.map(|(sizes, _)| sizes)).or(facts.nozzle()).unwrap_or(NOZZLE);
+        let sizes = args.nozzle.or(of_cell.map(|(sizes, _)| sizes)).or(facts.nozzle()).unwrap_or(NOZZLE);
         let top = of_cell.map_or(TOP_MM.max(2.0 * sizes[2]), |(_, top)| top);
         let nozzle = Nozzle::new([sizes[0], sizes[1].to_radians(), sizes[2], sizes[3], top])
             .map_err(|what| Failure::new(format!("--nozzle: {what}")))?;
@@ -163,10 +162,9 @@ fn plan_file(args: &Args, beside: &Path) -> Option<PathBuf> {
 fn placement(args: &Args, plan: Option<&Path>, is_robot: bool) -> Placement {
     let facts = plan.and_then(Path::parent).filter(|_| is_robot).map(Facts::read);
     let figure = |key: &str| facts.as_ref().and_then(|facts| facts.number(key)).unwrap_or(0.0);
-    let shift = args.part_shift_mm.as_ref().map(|shift| [shift[0], shift[1]]);
     Placement {
         turn: args.part_turn_deg.unwrap_or_else(|| figure("part_turn_deg")).to_radians(),
-        shift_mm: shift.unwrap_or_else(|| [figure("part_shift_x_mm"), figure("part_shift_y_mm")]),
+        shift_mm: args.part_shift_mm.unwrap_or_else(|| [figure("part_shift_x_mm"), figure("part_shift_y_mm")]),
     }
 }
 

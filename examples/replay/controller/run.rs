@@ -22,6 +22,8 @@ pub struct Obstacles {
     pub cut: (u64, Option<Place>),
     /// Targets whose quarter turns the arm is not in, and the first.
     pub turned: (u64, Option<Place>),
+    /// Moves and waits of more than a day, which are left out, and the first.
+    pub endless: (u64, Option<Place>),
     /// Moves and steps of streams.
     pub moves: u64,
 }
@@ -51,6 +53,8 @@ pub struct Controller<'a> {
 
 /// Moves that are shorter than this take no time: seconds at the programmed speed.
 const NO_MOVE: f64 = 1e-9;
+/// Longest move or wait, in seconds: more is a slip of the pen, and would be looked at tick by tick.
+const MAX_SECONDS: f64 = 86_400.0;
 /// Lines that are shorter than this only turn, in millimetres.
 const ONLY_TURNS_MM: f64 = 1e-6;
 /// Chords along the way of the tip on a move by joints.
@@ -118,6 +122,10 @@ impl<'a> Controller<'a> {
             }
             Command::Rest(seconds) => {
                 self.halt(place, sink);
+                if *seconds > MAX_SECONDS {
+                    self.endless(place);
+                    return;
+                }
                 self.sampler.rest(*seconds, place, sink);
                 self.programmed_s += seconds;
             }
@@ -154,6 +162,12 @@ impl<'a> Controller<'a> {
             return;
         };
         self.at = Some(segment.ends[1]);
+        if segment.seconds > MAX_SECONDS {
+            self.endless(place);
+            self.halt(place, sink);
+            self.sampler.jump(segment.ends[1], place);
+            return;
+        }
         self.programmed_s += segment.seconds;
         let segment = Rc::new(segment);
         let Some((before, begun)) = self.last.take() else {
@@ -194,9 +208,19 @@ impl<'a> Controller<'a> {
         let Limits { speed, acceleration, .. } = &self.limits;
         let tip = [self.model.tip_mm_s, self.model.tip_mm_s2];
         let [top, rate] = pace(&piece.shape, speed, acceleration, tip, self.model.speed_share);
-        let sampler = &mut self.sampler;
         let pace = Pace { way: piece.way, top, rate };
+        if pace.way > MAX_SECONDS * top {
+            let place = piece.place_at(0.0);
+            self.endless(place);
+            return;
+        }
+        let sampler = &mut self.sampler;
         self.window.push(pace, piece, &mut |law, piece| sampler.push(&law, piece, sink));
+    }
+
+    fn endless(&mut self, place: Place) {
+        let (count, first) = self.obstacles.endless;
+        self.obstacles.endless = (count + 1, first.or(Some(place)));
     }
 
     /// The first move, whose begin is not known: it is where that ends.

@@ -39,6 +39,7 @@ pub struct Sampler<'a> {
     passed_mm: f64,
     given_mm: f64,
     is_lost: bool,
+    streams: bool,
 }
 
 /// The extruder by its signals.
@@ -74,6 +75,7 @@ impl<'a> Sampler<'a> {
             passed_mm: 0.0,
             given_mm: 0.0,
             is_lost: true,
+            streams: false,
         }
     }
 
@@ -179,7 +181,8 @@ impl<'a> Sampler<'a> {
         let filament_mm = by_moves + if runs { self.extruder.mm_s * self.tick_s } else { 0.0 };
         let jumped = std::mem::take(&mut self.is_lost);
         let extrudes = runs || moves_filament;
-        sink(&Tick { seconds, axes: self.axes, filament_mm, extrudes, place: self.place, blend_mm, jumped });
+        let (axes, place, streams) = (self.axes, self.place, self.streams);
+        sink(&Tick { seconds, axes, filament_mm, extrudes, place, blend_mm, streams, jumped });
         self.ticks += 1;
     }
 
@@ -195,7 +198,7 @@ impl<'a> Sampler<'a> {
 
     /// One of a stream of targets.
     pub fn follow(&mut self, arm: &mut Loop, target: [&Axes; 2], seconds: f64, place: Place, sink: &mut Sink) {
-        self.place = place;
+        (self.place, self.streams) = (place, true);
         let (begin, end) = (self.now, self.now + seconds);
         let at = |time: f64| {
             let share = ((time - begin) / seconds).clamp(0.0, 1.0);
@@ -214,6 +217,6 @@ impl<'a> Sampler<'a> {
             arm.advance([&before, target[1]], end - since);
         }
         self.now = end;
-        self.axes = *arm.at();
+        (self.axes, self.streams) = (*arm.at(), false);
     }
 }

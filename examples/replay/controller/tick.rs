@@ -18,6 +18,8 @@ pub struct Tick {
     pub place: Place,
     /// The radius of the blend that the tip is in, in millimetres; 0 elsewhere.
     pub blend_mm: f64,
+    /// Whether the axes follow a stream.
+    pub streams: bool,
     /// Nothing is known of the way from the last tick to this one: the program began, or the machine went home.
     pub jumped: bool,
 }

@@ -15,14 +15,17 @@ pub struct Capsule {
     pub radius: f64,
 }
 
-/// Edge of a column and of its floors, in millimetres. A nozzle is some four of them wide.
-const EDGE_MM: f64 = 5.0;
+/// Edge of a column and of its floors, in millimetres: a nozzle is some ten of them wide. Larger ones hold beads that are far below it, smaller ones take longer
+/// to look through.
+const EDGE_MM: f64 = 2.0;
 
 /// Capsules by place.
 #[derive(Clone, Debug, Default)]
 pub struct Beads {
     all: Vec<Capsule>,
     max_radius: f64,
+    /// Longest way between two marked places of an axis.
+    max_gap: f64,
     columns: HashMap<[i32; 2], Column>,
 }
 
@@ -53,11 +56,12 @@ impl Beads {
         &self.all[number]
     }
 
-    /// Adds a capsule; it belongs to the cells of its ends and of its middle, no longer than a cell.
+    /// Adds a capsule; it belongs to the cells of its ends and of places between them, no farther apart than a cell.
     pub fn push(&mut self, capsule: Capsule) {
         let number = self.all.len() as u32;
         let [from, to] = capsule.ends;
         let parts = ((to - from).norm() / EDGE_MM).ceil().clamp(1.0, 1e4) as u32;
+        self.max_gap = self.max_gap.max((to - from).norm() / f64::from(parts));
         let mut last = None;
         for part in 0..=parts {
             let place = from + (to - from) * (f64::from(part) / f64::from(parts));
@@ -73,8 +77,9 @@ impl Beads {
 
     /// Numbers of capsules near a box, some of them more than once. Those whose axis is within it are among them.
     pub fn within(&self, [low, high]: &[Point3<f64>; 2], found: &mut Vec<u32>) {
-        // An axis may cross a cell between two of its marked places: they are a cell apart at most.
-        let [low, high] = [low - Vector3::repeat(EDGE_MM), high + Vector3::repeat(EDGE_MM)];
+        // An axis may cross the box between two of its marked places: one of them is nearer than half of the way.
+        let gap = Vector3::repeat(0.5 * self.max_gap);
+        let [low, high] = [low - gap, high + gap];
         let floors = cell(low.z)..=cell(high.z);
         for x in cell(low.x)..=cell(high.x) {
             for y in cell(low.y)..=cell(high.y) {

@@ -107,6 +107,7 @@ mod tests {
             extrudes: true,
             place: Default::default(),
             blend_mm: 0.0,
+            streams: true,
             jumped: false,
         };
         let on = Match { bead, off_mm: 0.0 };

@@ -1,4 +1,5 @@
-//! Axes against their limits: positions, and speeds, accelerations and jerks as differences between ticks.
+//! Axes against their limits: positions, and speeds, accelerations and jerks as differences between ticks. Jerk is judged in streams: that of moves is the
+//! model's, and with trapezoids that of the clock.
 
 use super::super::axes::{Axes, Limits, MAX_AXES};
 use super::super::controller::Tick;
@@ -30,7 +31,8 @@ pub struct Joints {
     /// Position, and differences of first and second order, at the last tick; how many of them are known.
     last: [Axes; 3],
     known: usize,
-    judges_jerk: bool,
+    /// Ticks of a stream in a row: the jerk of moves is that of the model.
+    streamed: u32,
     /// By quantity, then axis: a share of the limit; of the range how far beyond.
     pub shares: [[Worst; MAX_AXES]; 4],
     /// By speed, acceleration and jerk, then axis: the greatest, in radians or millimetres and seconds.
@@ -47,15 +49,14 @@ impl Joints {
     /// Before the first tick.
     ///
     /// # Arguments
-    /// * `judges_jerk`: false where the model has none, so that it would be that of the clock.
     /// * `allowed`: the share of a limit from which on time counts as above it.
-    pub fn new(limits: &Limits, tick_s: f64, judges_jerk: bool, allowed: f64) -> Self {
+    pub fn new(limits: &Limits, tick_s: f64, allowed: f64) -> Self {
         Joints {
             limits: *limits,
             tick_s,
             last: [[0.0; MAX_AXES]; 3],
             known: 0,
-            judges_jerk,
+            streamed: 0,
             shares: [[Worst::default(); MAX_AXES]; 4],
             most: [[0.0; MAX_AXES]; 3],
             over_s: [0.0; 3],
@@ -79,7 +80,8 @@ impl Joints {
             }
         }
         let limits = [&self.limits.speed, &self.limits.acceleration, &self.limits.jerk];
-        let orders = if self.judges_jerk { 3 } else { 2 };
+        self.streamed = if tick.streams { self.streamed + 1 } else { 0 };
+        let orders = if self.streamed > 3 { 3 } else { 2 };
         for order in 1..=self.known.min(orders) {
             let mut is_over = false;
             for k in 0..MAX_AXES {
@@ -115,6 +117,7 @@ mod tests {
             extrudes: false,
             place: Default::default(),
             blend_mm: 0.0,
+            streams: true,
             jumped: k == 0,
         }
     }
@@ -124,7 +127,7 @@ mod tests {
     fn differences_are_derivatives() {
         let mut limits = Limits::NONE;
         (limits.speed[2], limits.acceleration[2], limits.jerk[2], limits.upper[4]) = (1.0, 2.0, 3.0, 0.5);
-        let mut joints = Joints::new(&limits, 0.01, true, 1.0);
+        let mut joints = Joints::new(&limits, 0.01, 1.0);
         (0..=100).for_each(|k| joints.take(&tick(k, (f64::from(k) * 0.01).powi(3))));
         let share = |quantity| joints.worst(quantity);
         assert_eq!([share(Quantity::Speed).0, share(Quantity::Jerk).0, share(Quantity::Range).0], [2, 2, 4]);
@@ -138,7 +141,7 @@ mod tests {
         );
         assert!((joints.over_s[2] - 0.98).abs() < 1e-9, "{:?}", joints.over_s);
         // A jump is no motion.
-        let mut joints = Joints::new(&limits, 0.01, true, 1.0);
+        let mut joints = Joints::new(&limits, 0.01, 1.0);
         (0..20).for_each(|k| joints.take(&Tick { jumped: k % 10 == 0, ..tick(k, if k < 10 { 0.0 } else { 0.4 }) }));
         assert!(joints.worst(Quantity::Speed).1.value.abs() < 1e-12);
     }

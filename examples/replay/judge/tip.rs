@@ -311,6 +311,7 @@ mod tests {
                     extrudes: *extrudes,
                     place: Default::default(),
                     blend_mm: 0.0,
+                    streams: true,
                     jumped: false,
                 };
                 judge.take(&tick, &tip, (tip - before).norm()).unwrap();

@@ -36,6 +36,14 @@ pub enum RobotFault {
         /// The field.
         field: &'static str,
     },
+    /// A limit that stops the machine.
+    #[error("{field} is {value}: it must be above 0, or null for no limit")]
+    Limit {
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A kind of arm that is not known here.
     #[error("arm.geometry: such arms cannot be replayed yet")]
     Arm,
@@ -173,7 +181,23 @@ fn table_of(part: &PositionerPart) -> Result<(Table, JointLimits<2>), RobotFault
 }
 
 /// Puts the limits of `N` axes from `first` on into `limits`: those of the workcell, or those that are known.
-fn put<const N: usize>(limits: &mut Limits, first: usize, known: &JointLimits<N>, model: &LimitsModel<N>) {
+fn put<const N: usize>(
+    limits: &mut Limits,
+    first: usize,
+    known: &JointLimits<N>,
+    model: &LimitsModel<N>,
+) -> Result<(), RobotFault> {
+    let rates = [
+        ("limits.max_speed_deg_s", model.max_speed_deg_s),
+        ("limits.max_acceleration_rad_s2", model.max_acceleration_rad_s2),
+        ("limits.max_jerk_rad_s3", model.max_jerk_rad_s3),
+    ];
+    for (field, values) in rates {
+        let wrong = values.iter().flatten().flatten().find(|value| value.is_nan() || **value <= 0.0);
+        if let Some(&value) = wrong {
+            return Err(RobotFault::Limit { field, value });
+        }
+    }
     let pick = |all: Option<[Option<f64>; N]>, known: &[f64; N], k: usize, scale: f64, none: f64| match all {
         Some(values) => values[k].map_or(none, |value| value * scale),
         None => known[k],
@@ -187,6 +211,7 @@ fn put<const N: usize>(limits: &mut Limits, first: usize, known: &JointLimits<N>
             pick(model.max_acceleration_rad_s2, &known.acceleration, k, 1.0, f64::INFINITY);
         limits.jerk[first + k] = pick(model.max_jerk_rad_s3, &known.jerk, k, 1.0, f64::INFINITY);
     }
+    Ok(())
 }
 
 impl Table {
@@ -215,10 +240,10 @@ impl Robot {
         each("arm.calibration.offsets_deg", &calibration.offsets_deg)?;
         let turned = calibration.offsets_deg.map(f64::to_radians);
         let mut limits = Limits::NONE;
-        put(&mut limits, 0, &arm.limits, &model.arm.limits);
+        put(&mut limits, 0, &arm.limits, &model.arm.limits)?;
         let table = model.positioner.as_ref().map(table_of).transpose()?;
         if let (Some((_, known)), Some(part)) = (&table, &model.positioner) {
-            put(&mut limits, 6, known, &part.limits);
+            put(&mut limits, 6, known, &part.limits)?;
         }
         let holds_part = model.held == Held::Part;
         if holds_part && table.is_some() {
@@ -335,7 +360,6 @@ mod tests {
                         (axes[6], axes[7]) = (tilt, turn);
                         cell.nozzle_on_part(&axes)
                     }
-                    _ => None,
                 };
                 let Some(expected) = expected else { continue };
                 let pose = robot.nozzle_on_part(&axes);
@@ -381,6 +405,10 @@ mod tests {
         assert!(fault(|m| m.nozzle.flow = [0.0; 3]).contains("nozzle.flow must not be zero"));
         assert!(fault(|m| m.nozzle.tip_mm[1] = f64::NAN).contains("nozzle.tip_mm is NaN"));
         assert!(fault(|m| m.held = Held::Part).starts_with("held:"));
+        assert!(
+            fault(|m| m.arm.limits.max_acceleration_rad_s2 = Some([Some(0.0); 6]))
+                .contains("max_acceleration_rad_s2 is 0")
+        );
         assert!(fault(|m| m.part.position_mm[0] = f64::INFINITY).starts_with("part is inf"));
     }
 }
