@@ -27,6 +27,9 @@ const TOP_MM: f64 = 60.0;
 /// Diameter of the filament of which nothing is known.
 const FILAMENT_MM: f64 = 1.75;
 
+/// Beads of a plan, as they are read.
+pub type Beads = Box<dyn Iterator<Item = Result<Bead, String>>>;
+
 /// All of it.
 pub struct Setup {
     /// The program.
@@ -140,7 +143,7 @@ impl Setup {
     ///
     /// # Errors
     /// A [`Failure`] that names the file.
-    pub fn beads(&self) -> Result<Option<Box<dyn Iterator<Item = Result<Bead, String>>>>, Failure> {
+    pub fn beads(&self) -> Result<Option<Beads>, Failure> {
         let Some(path) = &self.plan else { return Ok(None) };
         let reader = BufReader::new(input::open(path, input::MAX_DATA_BYTES)?);
         let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));

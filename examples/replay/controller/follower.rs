@@ -29,12 +29,12 @@ impl Loop {
     }
 
     /// Goes on by `seconds`, over which the target goes evenly from the one to the other.
-    pub fn advance(&mut self, target: [&Axes; 2], seconds: f64) {
-        for k in 0..MAX_AXES {
-            let middle = 0.5 * (target[0][k] + target[1][k]);
+    pub fn advance(&mut self, [from, to]: [&Axes; 2], seconds: f64) {
+        for (k, (begin, end)) in from.iter().zip(to).enumerate() {
+            let middle = 0.5 * (begin + end);
             let off = self.at[k] - middle;
             match self.kind {
-                Follower::None => self.at[k] = target[1][k],
+                Follower::None => self.at[k] = *end,
                 Follower::First => self.at[k] = middle + off * (-seconds / self.lag_s).exp(),
                 Follower::Second => {
                     // Critically damped: a ramp is followed 2 / omega behind.

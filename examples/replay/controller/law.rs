@@ -89,7 +89,7 @@ mod tests {
             for k in 1..=STEPS {
                 let at = law.at(f64::from(k) * dt);
                 let speed = (at - sum) / dt;
-                prop_assert!(speed >= -1e-9 && speed <= 1.0 + 1e-6, "{speed}");
+                prop_assert!((-1e-9..=1.0 + 1e-6).contains(&speed), "{speed}");
                 prop_assert!((speed - before).abs() <= 1.01 * rate * dt + 1e-6, "{speed} after {before}");
                 (sum, before) = (at, speed);
             }

@@ -180,10 +180,10 @@ pub fn pace(shape: &Shape, speeds: &Axes, accelerations: &Axes, tip: [f64; 2], m
             hold(&after.rates[0].map(f64::abs), after.tip().map(|tip| tip.norm()));
             // Along the parabola the speed changes evenly: the square of the share bounds that.
             let mut square = f64::INFINITY;
-            for k in 0..MAX_AXES {
+            for (k, acceleration) in accelerations.iter().enumerate() {
                 let change = (after.rates[0][k] - before.rates[1][k]).abs();
                 if change > 0.0 {
-                    square = square.min(2.0 * reach * accelerations[k] / change);
+                    square = square.min(2.0 * reach * acceleration / change);
                 }
             }
             if let (Some(first), Some(second)) = (before.tip(), after.tip()) {

@@ -14,8 +14,9 @@ use std::collections::VecDeque;
 const AHEAD_WIDTHS: f64 = 1.5;
 /// The match may also be this much of a width behind.
 const BEHIND_WIDTHS: f64 = 0.5;
-/// Within this many widths the tip is on the plan.
-const NEAR_WIDTHS: f64 = 1.0;
+/// Within this many widths the tip is on the plan; where a path ends, and another one may begin beside it, within fewer.
+const NEAR_WIDTHS: f64 = 3.0;
+const NEAR_END_WIDTHS: f64 = 1.0;
 /// Within this many widths of it a place farther ahead is taken as where the tip is.
 const FOUND_WIDTHS: f64 = 0.3;
 /// Beads that are looked through farther ahead: while it goes on, and when the extruder is switched on.
@@ -203,7 +204,8 @@ impl<'p> Tip<'p> {
             }
             begin += bead.length();
         }
-        if best.is_some_and(|(_, _, off)| off <= NEAR_WIDTHS * first.width) {
+        let near = if self.is_at_end && !self.is_start { NEAR_END_WIDTHS } else { NEAR_WIDTHS };
+        if best.is_some_and(|(_, _, off)| off <= near * first.width) {
             return Ok(best);
         }
         self.find_far(tip)

@@ -84,8 +84,8 @@ impl Chain {
     pub fn at(&self, joints: &[f64]) -> Links {
         let mut links = Links { joints: [Frame::identity(); 6], flange: Frame::identity() };
         let mut frame = Frame::identity();
-        for k in 0..6 {
-            let angle = self.signs[k] * joints[k] - self.offsets[k];
+        for (k, joint) in joints.iter().enumerate().take(6) {
+            let angle = self.signs[k] * joint - self.offsets[k];
             frame = about_z(&frame.then(&self.steps[k]), angle);
             links.joints[k] = frame;
         }

@@ -93,7 +93,7 @@ pub struct ToolFrames {
 }
 
 fn each(field: &'static str, values: &[f64]) -> Result<(), RobotFault> {
-    match values.iter().find(|value| !(value.abs() <= 1e6)) {
+    match values.iter().find(|value| value.is_nan() || value.abs() > 1e6) {
         Some(&value) => Err(RobotFault::Number { field, value }),
         None => Ok(()),
     }
@@ -385,7 +385,7 @@ mod tests {
                 prop_assert!(reached.is_reached(), "{} {reached:?}", robot.name);
                 let again = robot.target_at(&frames, &reached.axes);
                 prop_assert!((again.at - target.at).norm() < 1e-6 && again.turn_to(&target).norm() < 1e-8);
-                prop_assert_eq!(reached.axes[6], axes[6]);
+                prop_assert!((reached.axes[6] - axes[6]).abs() <= 0.0);
             }
         }
     }

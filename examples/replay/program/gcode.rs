@@ -293,7 +293,7 @@ mod tests {
         assert_eq!((motion(4).1, motion(4).2), (Speed::Linear(10.0), 1.5));
         assert_eq!((found[5].0, motion(5).2), (11, 0.25));
         assert_eq!(found[6].1, Command::Rest(0.5));
-        assert_eq!(motion(7).0[0], 5.0);
+        assert!((motion(7).0[0] - 5.0).abs() < 1e-12);
     }
 
     #[test]
