@@ -29,6 +29,7 @@ mod planar_arm;
 mod ranges;
 mod reach;
 mod render;
+mod replay;
 mod robofdm;
 mod settings;
 mod shapes;

@@ -1,0 +1,238 @@
+//! Nozzle against what is built so far, and against the plate.
+//!
+//! Candidates are the beads within a margin of the nozzle; while the nozzle has moved less than the margin since they were collected, no other bead can touch
+//! it, and of the candidates only those whose distance then was less than the motion since.
+
+use super::super::axes::NozzlePose;
+use super::super::controller::Tick;
+use super::beads::{Beads, Capsule, Layer};
+use super::nozzle::Nozzle;
+use super::worst::Worst;
+use nalgebra::Vector3;
+
+/// Motion after which candidates are collected again, in millimetres.
+const MARGIN_MM: f64 = 2.0;
+/// Places along a capsule at which the distance is computed: with a length of four radii they are a radius apart.
+const PLACES: u32 = 4;
+
+/// The nozzle in something.
+#[derive(Clone, Debug, Default)]
+pub struct Touch {
+    /// The deepest, in millimetres.
+    pub worst: Worst,
+    /// How many times it began.
+    pub times: u64,
+    /// Seconds for which it lasts.
+    pub seconds: f64,
+    is_on: bool,
+}
+
+/// The judge.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    nozzle: Nozzle,
+    plate_radius: f64,
+    tick_s: f64,
+    /// Depth that is allowed: a share of the bead's height.
+    allowed: f64,
+    beads: Beads,
+    layer: Layer,
+    /// Where candidates were collected, and each with its distance then.
+    from: Option<NozzlePose>,
+    candidates: Vec<(f64, u32)>,
+    found: Vec<u32>,
+    /// Beads up to this number may be candidates; later ones are always looked at.
+    collected: usize,
+    /// With beads.
+    pub built: Touch,
+    /// With the plate.
+    pub plate: Touch,
+}
+
+impl Contact {
+    /// Nothing is built.
+    pub fn new(nozzle: Nozzle, plate_mm: Option<f64>, tick_s: f64, allowed: f64) -> Self {
+        Contact {
+            nozzle,
+            plate_radius: 0.5 * plate_mm.unwrap_or(f64::INFINITY),
+            tick_s,
+            allowed,
+            beads: Beads::default(),
+            layer: Layer::default(),
+            from: None,
+            candidates: Vec::new(),
+            found: Vec::new(),
+            collected: 0,
+            built: Touch::default(),
+            plate: Touch::default(),
+        }
+    }
+
+    /// How many capsules are laid.
+    pub fn beads(&self) -> usize {
+        self.beads.len()
+    }
+
+    /// A tick; `height_mm` is that of the bead that is laid, if the tip lays one.
+    pub fn take(&mut self, tick: &Tick, pose: &NozzlePose, height_mm: Option<f64>) {
+        let depth = self.depth(pose);
+        self.built.take(depth, tick, pose, self.tick_s);
+        let is_over_plate = pose.tip.x.hypot(pose.tip.y) <= self.plate_radius;
+        let sunk = if is_over_plate { -self.nozzle.lowest(pose) } else { 0.0 };
+        self.plate.take(sunk, tick, pose, self.tick_s);
+        let ended = match height_mm {
+            Some(height) => self.layer.go(pose.tip - pose.axis * (0.5 * height), 0.5 * height),
+            None => self.layer.end(),
+        };
+        if let Some(capsule) = ended {
+            self.beads.push(capsule);
+        }
+    }
+
+    /// How much deeper the nozzle is in beads than is allowed.
+    fn depth(&mut self, pose: &NozzlePose) -> f64 {
+        let moved = match &self.from {
+            Some(from) => {
+                let turned = (pose.axis - from.axis).norm();
+                (pose.tip - from.tip).norm() + turned * (self.nozzle.top + self.nozzle.block)
+            }
+            None => f64::INFINITY,
+        };
+        if moved >= MARGIN_MM {
+            self.collect(pose);
+            return self.deepest(pose, 0.0);
+        }
+        self.deepest(pose, moved)
+    }
+
+    fn deepest(&self, pose: &NozzlePose, moved: f64) -> f64 {
+        let near =
+            self.candidates.iter().take_while(|(distance, _)| *distance <= moved).map(|(_, number)| *number as usize);
+        let depth = |number: usize| {
+            let capsule = self.beads.at(number);
+            let gap = gap_within(&self.nozzle, pose, capsule, 0.0);
+            gap.map_or(0.0, |gap| -gap - 2.0 * self.allowed * capsule.radius)
+        };
+        near.chain(self.collected..self.beads.len()).map(depth).fold(0.0, f64::max)
+    }
+
+    fn collect(&mut self, pose: &NozzlePose) {
+        let [low, high] = self.nozzle.bounds(pose);
+        // The axis of a bead is farther in than the bead.
+        let margin = Vector3::repeat(MARGIN_MM + self.beads.max_radius());
+        self.found.clear();
+        self.beads.within(&[low - margin, high + margin], &mut self.found);
+        self.found.sort_unstable();
+        self.found.dedup();
+        let near = self.found.iter().filter_map(|&number| {
+            let gap = gap_within(&self.nozzle, pose, self.beads.at(number as usize), MARGIN_MM)?;
+            Some((gap, number))
+        });
+        self.candidates = near.collect();
+        self.candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.collected = self.beads.len();
+        self.from = Some(*pose);
+    }
+}
+
+/// How far a capsule is from the nozzle, if that is not more than `most`; negative where they touch.
+fn gap_within(nozzle: &Nozzle, pose: &NozzlePose, capsule: &Capsule, most: f64) -> Option<f64> {
+    let ([from, to], radius) = (capsule.ends, capsule.radius);
+    let (middle, half) = (from + (to - from) * 0.5, 0.5 * (to - from).norm());
+    // All of the nozzle is above the plane of its tip; and distances change by no more than the place does.
+    let below = -(middle - pose.tip).dot(&pose.axis);
+    if below - half - radius > most || nozzle.distance(pose, &middle) - half - radius > most {
+        return None;
+    }
+    let at = |k: u32| nozzle.distance(pose, &(from + (to - from) * (f64::from(k) / f64::from(PLACES))));
+    let gap = (0..=PLACES).map(at).fold(f64::INFINITY, f64::min) - radius;
+    (gap <= most).then_some(gap)
+}
+
+impl Touch {
+    fn take(&mut self, depth: f64, tick: &Tick, pose: &NozzlePose, tick_s: f64) {
+        let is_on = depth > 1e-9;
+        self.times += u64::from(is_on && !self.is_on);
+        self.seconds += if is_on { tick_s } else { 0.0 };
+        self.is_on = is_on;
+        if is_on {
+            self.worst.take(depth, tick, Some(&pose.tip));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+    use proptest::prelude::*;
+
+    fn tick() -> Tick {
+        Tick {
+            seconds: 0.0,
+            axes: [0.0; 8],
+            filament_mm: 0.0,
+            extrudes: true,
+            place: Default::default(),
+            blend_mm: 0.0,
+            streams: true,
+            jumped: false,
+        }
+    }
+
+    fn nozzle() -> Nozzle {
+        Nozzle::new([1.0, std::f64::consts::FRAC_PI_4, 8.0, 20.0, 60.0]).unwrap()
+    }
+
+    fn upright(x: f64, y: f64, z: f64) -> NozzlePose {
+        NozzlePose { tip: Point3::new(x, y, z), axis: Vector3::z() }
+    }
+
+    /// By the same places along the axis, without any short cut.
+    fn slow_depth(pose: &NozzlePose, capsule: &Capsule) -> f64 {
+        let [from, to] = capsule.ends;
+        let at = |k: u32| nozzle().distance(pose, &(from + (to - from) * (0.25 * f64::from(k))));
+        capsule.radius - (0..=4).map(at).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_wall_is_hit_by_a_nozzle_that_comes_back_lower() {
+        let mut contact = Contact::new(nozzle(), None, 0.01, 0.0);
+        for k in 0..200 {
+            contact.take(&tick(), &upright(f64::from(k) * 0.1, 0.0, 5.0), Some(0.5));
+        }
+        assert_eq!((contact.built.times, contact.beads() > 10), (0, true));
+        // Beside it, lower: the cone, 4 mm above the tip, is 4.5 mm wide.
+        for k in 0..200 {
+            contact.take(&tick(), &upright(f64::from(k) * 0.1, 2.0, 1.0), None);
+        }
+        assert_eq!(contact.built.times, 1);
+        let slanted = (2.0 - 0.5 - 3.75) / 2f64.sqrt();
+        assert!((contact.built.worst.value - (0.25 - slanted)).abs() < 0.05, "{}", contact.built.worst.value);
+        assert!(contact.plate.times == 0);
+        contact.take(&tick(), &upright(50.0, 50.0, -0.5), None);
+        assert!((contact.plate.worst.value - 0.5).abs() < 1e-12);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(47), ..ProptestConfig::with_cases(48) })]
+
+        /// The twin looks at all beads at all ticks.
+        #[test]
+        fn agrees_with_all_beads(steps in prop::collection::vec((prop::array::uniform3(-1f64..1.0), -0.02f64..0.02), 50..400)) {
+            let mut contact = Contact::new(nozzle(), None, 0.01, 0.0);
+            let (mut slow, mut layer): (Vec<Capsule>, Layer) = (Vec::new(), Layer::default());
+            let (mut at, mut lean) = (Point3::new(0.0, 0.0, 10.0), 0.0f64);
+            for (k, (step, turn)) in steps.iter().enumerate() {
+                at += Vector3::from(*step);
+                lean += turn;
+                let pose = NozzlePose { tip: at, axis: Vector3::new(lean.sin(), 0.0, lean.cos()) };
+                let expected = slow.iter().map(|capsule| slow_depth(&pose, capsule)).fold(0.0, f64::max);
+                let found = contact.depth(&pose);
+                prop_assert!((found - expected).abs() < 1e-9, "{k}: {found} {expected}");
+                contact.take(&tick(), &pose, Some(0.6));
+                slow.extend(layer.go(pose.tip - pose.axis * 0.3, 0.3));
+            }
+        }
+    }
+}

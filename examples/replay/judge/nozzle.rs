@@ -1,0 +1,152 @@
+//! The shape of the nozzle: a flat tip, a cone, a block on top of it, round about its axis.
+
+use super::super::axes::NozzlePose;
+use nalgebra::{Point3, Vector3};
+
+/// A nozzle, in millimetres and radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nozzle {
+    /// Radius of the tip.
+    pub tip: f64,
+    /// Radius of the cone where the block begins.
+    pub cone: f64,
+    /// Height of the cone.
+    pub cone_height: f64,
+    /// Radius of the block.
+    pub block: f64,
+    /// Height of its top over the tip.
+    pub top: f64,
+}
+
+impl Nozzle {
+    /// Diameter of the tip, half angle and height of the cone, diameter of the block, height of its top.
+    ///
+    /// # Errors
+    /// What cannot be, in one line.
+    pub fn new([tip, half_angle, cone_height, block, top]: [f64; 5]) -> Result<Self, String> {
+        let sizes = [("tip", tip), ("height of the cone", cone_height), ("block", block), ("top", top)];
+        if let Some((name, size)) = sizes.iter().find(|(_, size)| !(*size > 0.0 && *size <= 1e4)) {
+            return Err(format!("the nozzle's {name} is {size} mm: it must be above 0 and at most 10000"));
+        }
+        if !(half_angle > 0.0 && half_angle < 89f64.to_radians()) {
+            return Err(format!(
+                "the nozzle's half angle is {} degrees: above 0 and below 89",
+                half_angle.to_degrees()
+            ));
+        }
+        if top <= cone_height {
+            return Err(format!("the nozzle's top, {top} mm, must be above its cone, {cone_height} mm"));
+        }
+        let cone = 0.5 * tip + cone_height * half_angle.tan();
+        Ok(Nozzle { tip: 0.5 * tip, cone, cone_height, block: (0.5 * block).max(cone), top })
+    }
+
+    /// How far a place is outside of it; negative inside.
+    pub fn distance(&self, pose: &NozzlePose, place: &Point3<f64>) -> f64 {
+        let way = place - pose.tip;
+        let height = way.dot(&pose.axis);
+        let radius = (way.norm_squared() - height * height).max(0.0).sqrt();
+        let cone = frustum([radius, height], [self.tip, self.cone], [0.0, self.cone_height]);
+        cone.min(frustum([radius, height], [self.block, self.block], [self.cone_height, self.top]))
+    }
+
+    /// The lowest point of it above the plane z = 0.
+    pub fn lowest(&self, pose: &NozzlePose) -> f64 {
+        let lean = (1.0 - pose.axis.z * pose.axis.z).max(0.0).sqrt();
+        let edge = |radius: f64, height: f64| pose.tip.z + pose.axis.z * height - radius * lean;
+        let edges = [(self.tip, 0.0), (self.block, self.cone_height), (self.block, self.top)];
+        edges.map(|(radius, height)| edge(radius, height)).into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// A box that contains it.
+    pub fn bounds(&self, pose: &NozzlePose) -> [Point3<f64>; 2] {
+        let lean = pose.axis.map(|x| (1.0 - x * x).max(0.0).sqrt());
+        let around = |height: f64, radius: f64| {
+            let middle = pose.tip + pose.axis * height;
+            [middle - lean * radius, middle + lean * radius]
+        };
+        let all = [around(0.0, self.tip), around(self.cone_height, self.block), around(self.top, self.block)];
+        let fold = |side: usize, pick: fn(f64, f64) -> f64| {
+            Point3::from(Vector3::from_fn(|axis, _| {
+                pick(pick(all[0][side][axis], all[1][side][axis]), all[2][side][axis])
+            }))
+        };
+        [fold(0, f64::min), fold(1, f64::max)]
+    }
+}
+
+/// Signed distance to a frustum of a cone, in radius and height.
+fn frustum([radius, height]: [f64; 2], [low, high]: [f64; 2], [begin, end]: [f64; 2]) -> f64 {
+    let (slope, rise) = (high - low, end - begin);
+    let length = slope.hypot(rise);
+    // Along its side, and out of it.
+    let side = ((radius - low) * rise - (height - begin) * slope) / length;
+    let inside = side.max(begin - height).max(height - end);
+    if inside <= 0.0 {
+        return inside;
+    }
+    let to = |a: [f64; 2], b: [f64; 2]| {
+        let way = [b[0] - a[0], b[1] - a[1]];
+        let squared = way[0] * way[0] + way[1] * way[1];
+        let share = (((radius - a[0]) * way[0] + (height - a[1]) * way[1]) / squared).clamp(0.0, 1.0);
+        (radius - a[0] - share * way[0]).hypot(height - a[1] - share * way[1])
+    };
+    to([0.0, begin], [low, begin]).min(to([low, begin], [high, end])).min(to([high, end], [0.0, end]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn nozzle() -> Nozzle {
+        Nozzle::new([1.0, std::f64::consts::FRAC_PI_4, 8.0, 20.0, 60.0]).unwrap()
+    }
+
+    #[test]
+    fn closed_forms() {
+        let (nozzle, pose) = (nozzle(), NozzlePose { tip: Point3::origin(), axis: Vector3::z() });
+        let distance = |x: f64, z: f64| nozzle.distance(&pose, &Point3::new(x, 0.0, z));
+        assert!((distance(0.0, -2.0) - 2.0).abs() < 1e-12 && (distance(12.0, 30.0) - 2.0).abs() < 1e-12);
+        assert!((distance(1.5, 0.0) - 0.5f64.sqrt()).abs() < 1e-12 && (distance(0.0, 70.0) - 10.0).abs() < 1e-12);
+        assert!(distance(0.0, 20.0) < -9.9 && distance(9.5, 7.0) > 0.9);
+        assert!((nozzle.lowest(&pose)).abs() < 1e-12);
+        let lying = NozzlePose { tip: Point3::new(0.0, 0.0, 4.0), axis: Vector3::x() };
+        assert!((nozzle.lowest(&lying) + 6.0).abs() < 1e-12);
+        assert!(Nozzle::new([1.0, 0.7, 8.0, 20.0, 7.0]).unwrap_err().contains("top"));
+        assert!(Nozzle::new([f64::NAN, 0.7, 8.0, 20.0, 70.0]).unwrap_err().contains("tip is NaN"));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(47), ..ProptestConfig::with_cases(64) })]
+
+        /// The twin takes the nearest of many points of the surface.
+        #[test]
+        fn outside_it_is_the_nearest_point(place in prop::array::uniform3(-30f64..70.0), lean in -1.5f64..1.5) {
+            let nozzle = nozzle();
+            let pose = NozzlePose { tip: Point3::new(1.0, 2.0, 3.0), axis: Vector3::new(lean.sin(), 0.0, lean.cos()) };
+            let place = Point3::from(place);
+            let found = nozzle.distance(&pose, &place);
+            let way = place - pose.tip;
+            let height = way.dot(&pose.axis);
+            let radius = (way - pose.axis * height).norm();
+            let outline = [[0.0, 0.0], [0.5, 0.0], [8.5, 8.0], [10.0, 8.0], [10.0, 60.0], [0.0, 60.0]];
+            let mut least = f64::INFINITY;
+            for ends in outline.windows(2) {
+                for k in 0..=2000 {
+                    let share = f64::from(k) / 2000.0;
+                    let at = [0, 1].map(|c| ends[0][c] + share * (ends[1][c] - ends[0][c]));
+                    least = least.min((radius - at[0]).hypot(height - at[1]));
+                }
+            }
+            if found > 0.0 {
+                prop_assert!((found - least).abs() < 0.02, "{found} {least}");
+            }
+            let [low, high] = nozzle.bounds(&pose);
+            if found <= 0.0 {
+                prop_assert!((0..3).all(|k| place[k] >= low[k] - 1e-9 && place[k] <= high[k] + 1e-9));
+                prop_assert!(place.z >= nozzle.lowest(&pose) - 1e-9);
+            }
+        }
+    }
+}
