@@ -13,6 +13,7 @@ mod growing_scene;
 mod limits;
 mod link;
 mod link_bodies;
+mod machine;
 mod part_place;
 mod placement;
 mod program;
