@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::input;
 use curvlay_examples::motion::{TABLE_CELL, UR3_CELL, link_mesh, programs};
-use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, WorkcellModel};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, ProgramLanguage, WorkcellModel};
 use std::path::{Path, PathBuf};
 
 /// A nozzle with a longer cone than that of the workcell has a block of this height at least, in millimetres.
@@ -20,8 +20,8 @@ pub struct MotionArgs {
     /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells)
     #[arg(long, value_name = "FILE")]
     pub workcell: Option<PathBuf>,
-    /// Format of the robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with
-    /// a table]
+    /// Format of the robot programs of stage motion [default: that of `controller.language` in the workcell's file; urscript for arms of
+    /// Universal Robots, else rapid; csv for such an arm with a table]
     #[arg(long, value_name = "FORMAT")]
     pub program: Option<ProgramFormat>,
     /// Maximum acceleration of the joints, in rad/s2; inf for no limit [default: that of the workcell; 10 in those that come along, which
@@ -53,7 +53,8 @@ pub struct MotionArgs {
     /// unknown is refused
     #[arg(long)]
     pub no_links: bool,
-    /// Maximum number of steps in a program file; a longer motion has a file of its own [default: 100000, for RAPID 5000]
+    /// Maximum number of steps in a program file; a longer motion has a file of its own [default: 100000; lines of urscript-movep 10000, moves of
+    /// rapid and krl 5000, of tp 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub program_steps: Option<u32>,
 }
@@ -63,8 +64,14 @@ pub struct MotionArgs {
 pub enum ProgramFormat {
     /// For arms of Universal Robots without a table: joints 125 times a second
     Urscript,
+    /// For the same: lines with blends, some hundred a minute, which stay within 0.1 mm of the path; the controller makes the joints itself
+    UrscriptMovep,
     /// For ABB arms: targets on the part, with the axes of a table
     Rapid,
+    /// For KUKA arms (KSS 8): the same targets
+    Krl,
+    /// For Fanuc arms, as ASCII: the same targets
+    Tp,
     /// The same steps with every digit, for other programs
     Csv,
     /// None
@@ -113,14 +120,23 @@ impl MotionArgs {
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
         let takes_stream = programs::takes_stream(cell.equipment());
         let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
+        let of_cell = match cell.equipment().language() {
+            ProgramLanguage::UrScript => ProgramFormat::Urscript,
+            ProgramLanguage::Rapid => ProgramFormat::Rapid,
+            ProgramLanguage::Krl => ProgramFormat::Krl,
+            ProgramLanguage::Tp => ProgramFormat::Tp,
+        };
+        use ProgramFormat::{Csv, Krl, None as Nothing, Rapid, Tp, Urscript, UrscriptMovep};
         match (self.program, takes_stream) {
-            (None, Ok(true)) => Ok(ProgramFormat::Urscript),
-            (None, Ok(false)) => Ok(ProgramFormat::Rapid),
-            (None, Err(_)) => Ok(ProgramFormat::Csv),
-            (Some(ProgramFormat::Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
-            (Some(ProgramFormat::Urscript), Err(why)) => refused(&format!("urscript: {why}")),
-            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
-            (Some(format), _) => Ok(format),
+            (None, Ok(_)) => Ok(of_cell),
+            (None, Err(_)) => Ok(Csv),
+            (Some(Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
+            (Some(UrscriptMovep), Ok(false)) => refused("urscript-movep: only for arms of Universal Robots"),
+            (Some(Urscript | UrscriptMovep), Err(why)) => refused(&format!("urscript: {why}")),
+            (Some(Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
+            (Some(Krl), Ok(true) | Err(_)) => refused("krl: only for KUKA arms, not for a UR"),
+            (Some(Tp), Ok(true) | Err(_)) => refused("tp: only for Fanuc arms, not for a UR"),
+            (Some(format @ (Urscript | UrscriptMovep | Rapid | Krl | Tp | Csv | Nothing)), _) => Ok(format),
         }
     }
 }

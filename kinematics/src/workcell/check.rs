@@ -2,7 +2,7 @@
 
 use super::model::{
     ArmGeometry, ArmPart, CalibrationModel, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel,
-    PositionerGeometry, PositionerPart, RollerModel, VERSION,
+    PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, VERSION,
 };
 use crate::arm::robots::{ARMS, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
@@ -90,6 +90,12 @@ pub enum WorkcellError {
         /// The field.
         path: &'static str,
     },
+    /// The language of another maker's controller.
+    #[error(
+        "controller.language: arms of Universal Robots take `urscript`, all others `rapid`, `krl` or `tp`; leave it out, or name \
+         the one of the arm's controller"
+    )]
+    Language,
     /// The arm cannot reach what it has to.
     #[error("{path}: stretched out, the arm reaches {reach_mm:.1} mm: {what}")]
     Reach {
@@ -424,7 +430,7 @@ pub(super) fn home(
 
 /// Ranges that the controllers take: `EquipLag` of RAPID, `servoj` of URScript.
 pub(super) fn controller(model: &ControllerModel, arm: &Arm) -> Result<(), WorkcellError> {
-    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s } = *model;
+    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s, language } = *model;
     let within = |path, value: f64, [min, max]: [f64; 2]| match (min..=max).contains(&value) {
         true => Ok(()),
         false => Err(wrong(path, value, format!("from {min} to {max}"))),
@@ -440,5 +446,9 @@ pub(super) fn controller(model: &ControllerModel, arm: &Arm) -> Result<(), Workc
         }
         within(path, value, range)?;
     }
-    Ok(())
+    match language {
+        // Streams and frames of an arm of Universal Robots are those of its own language, and no other arm takes it.
+        Some(language) if (language == ProgramLanguage::UrScript) != arm.is_ur() => Err(WorkcellError::Language),
+        _ => Ok(()),
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::check::{self, Table, WorkcellError, each, finite, positive};
 use super::links::{self, LinkBodies, LinkMeshReader};
-use super::model::{Held, MountModel, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
+use super::model::{Held, MountModel, ProgramLanguage, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
 use crate::arm::{Arm, ArmModel};
 use crate::positioner::Positioner;
 use crate::scene::{Body, Mount, Scene, SceneModel, Shape};
@@ -154,6 +154,12 @@ impl Equipment {
     /// The arm, within the limits of the workcell.
     pub fn arm(&self) -> &Arm {
         &self.arm
+    }
+
+    /// The language of its programs: the one that the workcell names, else that of the arm.
+    pub fn language(&self) -> ProgramLanguage {
+        let of_arm = if self.arm.is_ur() { ProgramLanguage::UrScript } else { ProgramLanguage::Rapid };
+        self.model().controller.language.unwrap_or(of_arm)
     }
 
     /// Where the bodies of the links come from; `None` where the arm has none, and nothing can be said of what it touches.

@@ -77,8 +77,8 @@ pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, Pa
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
     ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
-    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, RollerModel, ShapeModel, SolidModel,
-    StandModel, VERSION, WorkcellModel,
+    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, ShapeModel,
+    SolidModel, StandModel, VERSION, WorkcellModel,
 };
 pub use six::SixAxisWorkcell;
 

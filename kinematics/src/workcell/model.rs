@@ -63,6 +63,23 @@ pub struct ControllerModel {
     /// How far `servoj` looks ahead, in seconds, 0.03 to 0.2; absent: 0.03. For an arm of Universal Robots only.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub servoj_lookahead_s: Option<f64>,
+    /// The language of the programs; absent: URScript for an arm of Universal Robots, else RAPID.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub language: Option<ProgramLanguage>,
+}
+
+/// The language of a controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum ProgramLanguage {
+    /// Universal Robots.
+    UrScript,
+    /// ABB.
+    Rapid,
+    /// KUKA.
+    Krl,
+    /// Fanuc.
+    Tp,
 }
 
 #[cfg(feature = "serde")]

@@ -282,6 +282,29 @@ fn a_circle_is_few_lines() {
     }
 }
 
+/// Where the filament starts within a segment, or stops, the tool rests: a controller would give the signal too early.
+#[test]
+fn the_filament_starts_at_rest() {
+    let cell = ur10();
+    let laid = |time_s: f64| (time_s - 0.5).clamp(0.0, 1.0);
+    let at = |k: u32| {
+        let time_s = f64::from(k) * 0.01;
+        PrintKnot { time_s, joints: [0.1 * time_s, -1.2, -1.5, 0.2, 1.2, 0.0], filament_mm: laid(time_s) }
+    };
+    let segment = BlendedSegment { samples: (0..=200).map(at).collect(), prints: true };
+    let steps: Vec<Step> = print_blended(&cell, [segment], BlendOptions::default()).collect();
+    let options = UrScriptOptions { straight: Straight::MoveP, ..UrScriptOptions::of_workcell(cell.equipment()) };
+    write_urscript(steps.iter().copied(), &options, Vec::new()).unwrap();
+    let mut fed = 0.0;
+    for pair in steps.windows(2) {
+        if let (Step::Move(to), Step::FilamentSpeed(mm_s)) = (pair[0], pair[1]) {
+            assert!((fed > 0.0) == (mm_s > 0.0) || to.zone == Zone::Stop, "{pair:?}");
+            fed = mm_s;
+        }
+    }
+    assert_eq!(moves_of(&steps).iter().filter(|to| to.zone == Zone::Stop).count(), 4);
+}
+
 #[test]
 fn nothing_comes_of_nothing() {
     let cell = ur10();

@@ -475,3 +475,31 @@ fn a_remark_stands_at_the_head_and_is_one_line() {
         assert!(matches!(with(wrong).unwrap_err(), WriteError::Name { what: "remark", .. }), "{wrong}");
     }
 }
+
+/// The golden file: a stroke of lines with blends, as a controller of Universal Robots is given it.
+#[test]
+fn a_stroke_is_these_lines() {
+    let steps = [
+        joints([0.0, -1.5, 1.5, 0.0, 0.5, 0.0]),
+        line(0.0, Zone::Stop),
+        Step::Extruder(true),
+        Step::FilamentSpeed(5.0),
+        line(10.0, Zone::Blend(0.5)),
+        Step::FilamentSpeed(6.0),
+        line(20.0, Zone::Stop),
+        Step::FilamentSpeed(0.0),
+        Step::Extruder(false),
+    ];
+    let options = UrScriptOptions {
+        name: "print_001".to_owned(),
+        remark: Some("Begins and ends at home.".to_owned()),
+        work: Isometry3::translation(600.0, -50.0, 20.0),
+        tool: Isometry3::translation(0.0, 0.0, 150.0),
+        straight: Straight::MoveP,
+        starts: true,
+        ..free()
+    };
+    let (text, written) = script(&steps, &options).unwrap();
+    assert_eq!(text, include_str!("programs/print_001.script"));
+    assert_eq!((written.moves, written.blends_reduced, written.stops_added), (4, 0, 0));
+}

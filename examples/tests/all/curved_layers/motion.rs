@@ -1,6 +1,7 @@
 //! The motion of a robot and its programs.
 
 use super::*;
+use curvlay_kinematics::workcell::Workcell;
 
 /// Where `kind` stands in `trajectory.csv` of a UR3; `layer`, `path`, `waypoint` and `filament_mm` follow.
 const KIND: usize = 8;
@@ -160,6 +161,84 @@ fn small_files_have_the_same_steps(cut: &str, steps: &[Step]) {
     assert!(servos(&joined) > servos(steps));
     let signals = |steps: &[Step]| steps.iter().filter(|step| matches!(step, Step::Extruder(_))).count();
     assert_eq!(signals(&joined), signals(steps));
+}
+
+/// The same block as lines with blends: few lines, from home to home, which lay as much in the same time.
+#[test]
+fn a_robot_prints_a_block_by_lines_with_blends() {
+    let scratch = Scratch::new("movep");
+    let out = scratch.path("out");
+    let args = ["--cell", "2", "--stage", "motion", "--program", "urscript-movep"];
+    let figures = block([16.0, 12.0, 4.0], &out, &args);
+    documented(&out);
+    let number = |key: &str| figures[key].as_f64().unwrap();
+    assert_eq!((figures["program_files"].as_u64(), figures["program_not_at_home"].as_u64()), (Some(1), Some(0)));
+    assert!(number("program_off_mm") < 0.01, "{}", number("program_off_mm"));
+    let text = fs::read_to_string(Path::new(&out).join("print_001.script")).unwrap();
+    assert!(
+        text.starts_with("def print_001():\n  # Begins and ends at joints ") && text.ends_with("end\nprint_001()\n")
+    );
+    // Twelve thousand steps of a stream; ten lines a second are a file of 10,000 lines in ten minutes or more.
+    assert!(text.lines().count() < 1500 && text.contains("  movep(pose_trans("), "{}", text.lines().count());
+    let steps: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().collect::<Result<_, _>>().unwrap();
+    let ends: Vec<[f64; 6]> = steps
+        .iter()
+        .filter_map(|step| match step {
+            Step::Move(Move { goal: Goal::Joints(joints), .. }) => Some(*joints),
+            _ => None,
+        })
+        .collect();
+    let apart = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart(&ends[0], &ends[ends.len() - 1]) < 1e-8);
+    // The time of the lines, by the speeds of the TCP that stand in the file.
+    let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(UR3_CELL.as_bytes()).unwrap() else { panic!("it has a table") };
+    let (mut at, mut seconds, mut rest, mut joints) = (None, 0.0, true, ends[0]);
+    for step in &steps {
+        let Step::Move(Move { goal, speed, zone, .. }) = step else { continue };
+        let stops = *zone == curvlay_kinematics::program::Zone::Stop;
+        let ramps = f64::from(u8::from(rest) + u8::from(stops));
+        seconds += match goal {
+            Goal::Line(target) => {
+                let to = target.pose.inverse().translation.vector;
+                let from = at.replace(to).unwrap_or_else(|| {
+                    let pose = cell.controller_pose(&joints).unwrap().target.pose;
+                    pose.inverse().translation.vector
+                });
+                (to - from).norm() / speed.mm_s + ramps * speed.mm_s / 2400.0
+            }
+            Goal::Joints(to) => {
+                let way = apart(&std::mem::replace(&mut joints, *to), to);
+                at = None;
+                way / speed.rad_s + ramps * speed.rad_s / 20.0
+            }
+            Goal::JointMove(_) => panic!("{step:?}"),
+        };
+        rest = stops;
+    }
+    let robot_s = number("robot_time_s");
+    assert!((seconds / robot_s - 1.0).abs() < 0.03, "{seconds} {robot_s}");
+
+    // Cut at lines: more files, each from home to home.
+    let cut = scratch.path("cut");
+    let figures = block([16.0, 12.0, 4.0], &cut, &[&args[..], &["--program-steps", "300"]].concat());
+    assert_eq!((figures["program_files"].as_u64(), figures["program_not_at_home"].as_u64()), (Some(2), Some(0)));
+    let output = run(&["--stage", "motion", "--cell8", "--program", "urscript-movep", "--out", &scratch.path("no")]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("only for arms of Universal Robots"));
+}
+
+/// The same block over a table, for KUKA and for Fanuc.
+#[test]
+fn programs_of_other_makers_are_read_again() {
+    let scratch = Scratch::new("makers");
+    for (format, main) in [("krl", "print.src"), ("tp", "print.ls")] {
+        let out = scratch.path(format);
+        let args = ["--cell", "2", "--stage", "motion", "--cell8", "--program", format];
+        let figures = block([16.0, 12.0, 4.0], &out, &args);
+        documented(&out);
+        assert!(Path::new(&out).join(main).exists());
+        assert_eq!(figures["program_not_at_home"].as_u64(), Some(0), "{format}");
+        assert!(figures["program_off_mm"].as_f64().unwrap() < 0.01);
+    }
 }
 
 /// Bug: each path began wherever its own motion was best, often on another branch of the arm than the path before ends on,

@@ -13,7 +13,7 @@ use crate::workcell::Workcell;
 /// The steps of a print as few moves with blends: by joints to the first sample, then each segment from rest to rest.
 ///
 /// A segment that prints is lines with the extruder on and the speed of the filament of the plan's bead; all others are moves by joints. Where the path
-/// turns back the tool stops. A segment of less than two samples, or with a posture beyond the limits of a table, gives no step.
+/// turns back, and where the filament starts or stops within a segment, the tool stops. A segment of less than two samples, or with a posture beyond the limits of a table, gives no step.
 ///
 /// For an arm without a table these steps are a URScript of `movep` and `movej`
 /// ([`Straight::MoveP`](crate::program::Straight::MoveP), [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell)).
@@ -78,7 +78,12 @@ fn zones(ends: &[usize], corner: impl Fn([usize; 3]) -> Zone) -> Vec<Zone> {
 /// A segment that prints.
 fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut Vec<Step>) {
     let ends = spans(samples.len(), |from, to| lines::fits(samples, in_hand, [from, to], options));
-    let zones = zones(&ends, |three| lines::corner(samples, in_hand, three, options));
+    let lays = |from: usize, to: usize| samples[to].filament_mm > samples[from].filament_mm;
+    let zones = zones(&ends, |three| {
+        // A signal that starts or stops the filament comes at rest.
+        let [from, at, to] = three;
+        if lays(from, at) == lays(at, to) { lines::corner(samples, in_hand, three, options) } else { Zone::Stop }
+    });
     steps.push(Step::Extruder(true));
     let mut fed: Option<f64> = None;
     for (k, pair) in ends.windows(2).enumerate() {
