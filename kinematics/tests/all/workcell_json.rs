@@ -46,6 +46,7 @@ fn files_say_what_they_say() {
 fn every_kind() -> WorkcellModel {
     let mut model = read(FILES[1]);
     model.arm.geometry = ArmGeometry::OrthoParallel {
+        j23_factor: 0.0,
         a1_mm: 0.0,
         a2_mm: -42.0,
         b_mm: 0.1,
