@@ -26,7 +26,11 @@ impl Profile {
         let text = input::read_text(path, input::MAX_SETTINGS_BYTES)?;
         let mut profile = Profile::from_json(&text).map_err(failed)?;
         if let (Some(Value::String(workcell)), Some(folder)) = (profile.given.get_mut("workcell"), path.parent()) {
-            *workcell = folder.join(&workcell).display().to_string();
+            let beside = folder.join(&workcell);
+            // The name of an arm has no folder.
+            if beside.exists() || curvlay_kinematics::robots::find(workcell).is_none() {
+                *workcell = beside.display().to_string();
+            }
         }
         Ok(profile)
     }

@@ -5,6 +5,7 @@ mod args;
 mod best_orientation;
 mod boge;
 mod calibrate;
+mod check_cell;
 mod clock;
 mod common;
 mod continuous_fiber;
