@@ -27,8 +27,8 @@ use std::io::{self, BufWriter, Write};
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
 /// use curvlay_toolpath::vtp::write_paths_vtp;
-/// let (direction, kind) = (Vector3::z_axis(), BeadKind::Wall);
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.3), direction, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
+/// let (axis, kind) = (Vector3::z_axis(), BeadKind::Wall);
+/// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.3), axis, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let mut file = Vec::new();
 /// write_paths_vtp(&[path], &[], &mut file)?;
@@ -55,7 +55,7 @@ pub fn write_paths_vtp(paths: &[ToolPath], moves: &[Move], out: impl Write) -> i
                 Array::new("width_mm", FLOAT, 1, points, |out| floats(waypoints().map(|w| w.width), out)),
                 Array::new("height_mm", FLOAT, 1, points, |out| floats(waypoints().map(|w| w.height), out)),
                 Array::new("direction", FLOAT, 3, points, |out| {
-                    floats(waypoints().flat_map(|w| [w.direction.x, w.direction.y, w.direction.z]), out)
+                    floats(waypoints().flat_map(|w| [w.axis.x, w.axis.y, w.axis.z]), out)
                 }),
                 Array::new("time_s", FLOAT, 1, points, |out| bytes(times.iter().map(|time| time.to_le_bytes()), out)),
                 Array::new("kind", ("UInt8", 1), 1, points, |out| bytes(waypoints().map(|w| [number(w.kind)]), out)),
@@ -70,7 +70,7 @@ pub fn write_paths_vtp(paths: &[ToolPath], moves: &[Move], out: impl Write) -> i
         (
             "Points",
             vec![Array::new("points", FLOAT, 3, points, |out| {
-                floats(waypoints().flat_map(|w| [w.tip.x, w.tip.y, w.tip.z]), out)
+                floats(waypoints().flat_map(|w| [w.position.x, w.position.y, w.position.z]), out)
             })],
         ),
         (

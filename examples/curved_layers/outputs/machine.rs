@@ -79,7 +79,7 @@ fn blocked_travels(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> 
 
 /// Layers count from 1, paths (in the order in which they are printed) and waypoints from 0.
 fn place(run: &MachineRun, path: usize, waypoint: usize) -> String {
-    let (path_of, tip) = (&run.resolved.paths[path], run.resolved.paths[path].waypoints[waypoint].tip);
+    let (path_of, tip) = (&run.resolved.paths[path], run.resolved.paths[path].waypoints[waypoint].position);
     format!("{},{path},{waypoint},{:.3},{:.3},{:.3}", path_of.layer + 1, tip.x, tip.y, tip.z)
 }
 
@@ -308,10 +308,10 @@ pub fn report(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun, report
     let Some(printed) = run.longest() else { return };
     let turns = |path: &ToolPath| -> Vec<[f64; 2]> {
         let pairs = path.waypoints.windows(2);
-        pairs.map(|pair| [pair[1].arc, pair[0].direction.angle(&pair[1].direction).to_degrees()]).collect()
+        pairs.map(|pair| [pair[1].arc, pair[0].axis.angle(&pair[1].axis).to_degrees()]).collect()
     };
     let tilts = |path: &ToolPath| -> Vec<[f64; 2]> {
-        path.waypoints.iter().map(|w| [w.arc, w.direction.z.clamp(-1.0, 1.0).acos().to_degrees()]).collect()
+        path.waypoints.iter().map(|w| [w.arc, w.axis.z.clamp(-1.0, 1.0).acos().to_degrees()]).collect()
     };
     let plot = |y: &str, of: &dyn Fn(&ToolPath) -> Vec<[f64; 2]>| {
         let mut plot = Plot::new("along the path, mm", y);

@@ -126,12 +126,12 @@ pub fn unsupported(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun) -
         scene.bar(from + lift, to + lift, thick * LINE * paths.bead_mm, colour);
     };
     for (number, path) in run.resolved.paths.iter().enumerate().filter(|(_, path)| path.layer as usize == at) {
-        path.waypoints.windows(2).for_each(|pair| bar(pair[0].tip, pair[1].tip, 1.0, EVEN));
+        path.waypoints.windows(2).for_each(|pair| bar(pair[0].position, pair[1].position, 1.0, EVEN));
         for piece in run.support.unsupported.iter().filter(|piece| piece.path == number) {
             // A mark in its middle, too: a piece may be shorter than the way between two waypoints.
             let inside = |arc: f64| arc > piece.arcs[0] && arc < piece.arcs[1];
             let whole = path.waypoints.windows(2).filter(|pair| pair.iter().all(|waypoint| inside(waypoint.arc)));
-            whole.for_each(|pair| bar(pair[0].tip, pair[1].tip, 2.0, FAULT));
+            whole.for_each(|pair| bar(pair[0].position, pair[1].position, 2.0, FAULT));
             bar(piece.tip, piece.tip + lift * 0.1, 2.0, FAULT);
         }
     }

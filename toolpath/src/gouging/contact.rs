@@ -166,7 +166,7 @@ impl LayerStack<'_> {
     /// let layers = [&floor, &wall].map(|vertices| BuiltLayer { vertices, triangles: &triangles, spacing: &spacing, curves: &[] });
     /// let line = |layer: u32, x: f64, z: f64| {
     ///     let at = |y: f64| Waypoint {
-    ///         tip: Point3::new(x, y, z), direction: Vector3::z_axis(), width: 0.8, height: 0.8, arc: y, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+    ///         position: Point3::new(x, y, z), axis: Vector3::z_axis(), width: 0.8, height: 0.8, arc: y, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
     ///     };
     ///     ToolPath { layer, curve: 0, closed: false, waypoints: vec![at(5.0), at(15.0)] }
     /// };

@@ -44,7 +44,7 @@ fn direction(rng: &mut impl RngExt, lean: f64) -> UnitVector3<f64> {
 fn agrees(contacts: &Contacts, resolved: &ResolvedPaths) {
     for (path, of_path) in resolved.paths.iter().enumerate() {
         for (waypoint, w) in of_path.waypoints.iter().enumerate() {
-            let (moment, pose) = (Moment::At { path, waypoint }, Pose { tip: w.tip, direction: w.direction });
+            let (moment, pose) = (Moment::At { path, waypoint }, Pose { tip: w.position, direction: w.axis });
             let left = resolved.left.iter().find(|gouge| (gouge.path, gouge.waypoint) == (path, waypoint));
             let found = contacts.deepest(moment, &pose).unwrap();
             assert_eq!(found.map(|c| (c.obstacle, c.depth, c.part)), left.map(|g| (g.obstacle, g.depth, g.part)));
@@ -66,7 +66,7 @@ fn two_layers(seed: u64) -> (Vec<Layer>, Vec<ToolPath>) {
     let mut above = paths.clone();
     for path in &mut above {
         path.layer = 1;
-        path.waypoints.iter_mut().for_each(|w| w.tip += up);
+        path.waypoints.iter_mut().for_each(|w| w.position += up);
     }
     (vec![layer, higher], [paths, above].concat())
 }
@@ -121,7 +121,7 @@ fn asked(seed: u64, paths: &[ToolPath]) -> Vec<(Moment, Vec<Pose>)> {
         let pose = |_| {
             let near = paths[rng.random_range(0..paths.len())].waypoints[rng.random_range(0..20)];
             let by = Vector3::from([0; 3].map(|_| rng.random_range(-1.5..1.5)));
-            Pose { tip: near.tip + by, direction: direction(&mut rng, PI) }
+            Pose { tip: near.position + by, direction: direction(&mut rng, PI) }
         };
         (moment, (0..12).map(pose).collect())
     };
@@ -167,7 +167,7 @@ proptest! {
         let (mut layer, mut paths) = rows(seed);
         // High enough for some to be clear of the plate, low enough for some not to be.
         layer.vertices.iter_mut().for_each(|p| p.z += 6.0);
-        paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.tip.z += 6.0);
+        paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.position.z += 6.0);
         with_contacts(std::slice::from_ref(&layer), &paths, &GougingOptions::default(), |contacts| {
             for (moment, poses) in asked(seed, &paths) {
                 for pose in poses.iter().filter(|pose| contacts.is_free(moment, pose).unwrap()) {
@@ -187,7 +187,7 @@ proptest! {
         let (layer, paths) = rows(seed);
         let options = GougingOptions::default();
         let mut rng = rng(seed);
-        let lifted = paths[0].waypoints.iter().map(|w| w.tip.z).fold(0.0, f64::min);
+        let lifted = paths[0].waypoints.iter().map(|w| w.position.z).fold(0.0, f64::min);
         with_contacts(std::slice::from_ref(&layer), &paths, &options, |contacts| {
             for (moment, poses) in asked(seed, &paths) {
                 for mut from in poses.into_iter().take(6) {
@@ -418,7 +418,7 @@ fn on_a_real_path_it_agrees_with_orient_and_free() {
         agrees(&contacts, &resolved);
         // Between waypoints it is hardly deeper than at them.
         for (waypoint, pair) in resolved.paths[0].waypoints.windows(2).enumerate() {
-            let [from, to] = [0, 1].map(|k| Pose { tip: pair[k].tip, direction: pair[k].direction });
+            let [from, to] = [0, 1].map(|k| Pose { tip: pair[k].position, direction: pair[k].axis });
             let found = contacts.deepest_along(Moment::At { path: 0, waypoint }, &from, &to, 0.05).unwrap();
             assert!(found.is_none_or(|(_, c)| c.depth < 0.25 * H + 0.05), "{waypoint}: {found:?}");
         }

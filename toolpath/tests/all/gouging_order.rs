@@ -45,7 +45,7 @@ fn groove_with_lines() -> (Layer, ToolPath) {
 
 /// Whether waypoints along the bottom are in order, front to back.
 fn at_the_bottom(waypoints: &[Waypoint]) -> bool {
-    waypoints.iter().all(|w| w.tip.x.abs() < 1e-9)
+    waypoints.iter().all(|w| w.position.x.abs() < 1e-9)
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn what_would_run_into_the_part_is_left_out_and_listed() {
         resolved_with(&layers, std::slice::from_ref(&dip), &GougingOptions { max_depth: 1.0, ..rough_turns() });
     assert_eq!((resolved.left.len(), resolved.gouging_before, resolved.paths.len()), (0, 2, 2));
     let arcs = [2, 5].map(|k: usize| dip.waypoints[k].arc);
-    let (tip, depth, part) = (dip.waypoints[deepest.waypoint].tip, deepest.depth, NozzlePart::Cone);
+    let (tip, depth, part) = (dip.waypoints[deepest.waypoint].position, deepest.depth, NozzlePart::Cone);
     assert_eq!(
         resolved.left_out,
         [LeftOut { layer: 1, curve: 0, arcs, tip, obstacle: Obstacle::Layer(0), depth, part }]
@@ -154,7 +154,7 @@ fn what_is_left_out_blocks_no_travel() {
 
 /// Pieces of bead between samples, by their ends: each one way round, in an order that does not depend on the printing.
 fn printed(paths: &[ToolPath]) -> Vec<[[u64; 3]; 2]> {
-    let bits = |w: &Waypoint| [w.tip.x.to_bits(), w.tip.y.to_bits(), w.tip.z.to_bits()];
+    let bits = |w: &Waypoint| [w.position.x.to_bits(), w.position.y.to_bits(), w.position.z.to_bits()];
     let mut pieces = Vec::new();
     for path in paths {
         let samples: Vec<_> = path.waypoints.iter().filter(|w| !w.added).map(bits).collect();
@@ -181,7 +181,7 @@ fn replayed(layers: &[Layer], resolved: &ResolvedPaths) -> Vec<(usize, usize, f6
             }
             let there = (0..last.len()).filter(|&t| last[t].is_some_and(|last| last < before));
             let there: Vec<Point3<f64>> = there.flat_map(|t| points[t].iter().copied()).collect();
-            let depth = slow_depth(&there, w.tip, &w.direction);
+            let depth = slow_depth(&there, w.position, &w.axis);
             let listed = resolved.left.iter().any(|gouge| (gouge.path, gouge.waypoint) == (k, waypoint));
             if depth > 0.25 * H + PIECE && !listed {
                 deep.push((k, waypoint, depth));

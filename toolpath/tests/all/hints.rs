@@ -68,8 +68,8 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
     let go = |_| ControlFlow::Continue(());
     let down = -Vector3::z_axis();
     let at = |x: f64| Waypoint {
-        tip: Point3::new(x, 5.0, 4.6),
-        direction: down,
+        position: Point3::new(x, 5.0, 4.6),
+        axis: down,
         width: 0.8,
         height: 0.8,
         arc: x,
@@ -87,5 +87,5 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
     let hinted = LayerStack::new(&layers).unwrap().with_hints(hints);
     let free = hinted.resolve_gouging(vec![path], &nozzle, &options, &go).unwrap();
     assert_eq!((free.left.len(), free.left_out.len()), (0, 0));
-    assert!(free.paths[0].waypoints.iter().all(|waypoint| waypoint.direction.y < -0.5));
+    assert!(free.paths[0].waypoints.iter().all(|waypoint| waypoint.axis.y < -0.5));
 }

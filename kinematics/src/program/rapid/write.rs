@@ -1,12 +1,13 @@
 //! RAPID, written.
 
 use super::options::check_options;
-use super::trigger::{Place, Triggers, Waiting, place, write_filament_value};
+use super::trigger::{Triggers, write_filament_value};
 use super::{
     ACCELERATION, DEGREES, FILAMENT_STEP, FilamentOutput, MM, NAMED_TURN_RAD_S, NO_MASS, QUATERNION, RapidAcceleration,
     RapidOptions, RapidSwitching, SECONDS, SPEEDS, TOOL0, WOBJ0, ZONES,
 };
 use crate::program::check::{Checker, Clock};
+use crate::program::step::on_path::{Place, Waiting, place};
 use crate::program::text::Text;
 use crate::program::{
     ExternalAxes, Goal, HeadInput, HeadSignal, Move, Payload, ProgramLimits, Speed, Step, Target, WriteError, Zone,

@@ -189,6 +189,12 @@ impl<R: BufRead> Tokens<R> {
         }
     }
 
+    /// Goes on behind the end of the line.
+    pub fn skip_line(&mut self) {
+        self.peeked = None;
+        self.at = self.line.len();
+    }
+
     /// The line that is being read.
     pub fn line(&self) -> &[u8] {
         &self.line

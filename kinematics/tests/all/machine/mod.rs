@@ -1,0 +1,9 @@
+//! Five-axis machines: models, kinematics both ways, plans along a path.
+
+mod closed_forms;
+#[cfg(feature = "serde")]
+mod files;
+mod models;
+mod plan;
+mod random;
+mod sampled;
