@@ -33,16 +33,15 @@ impl Maker {
     /// ```
     pub fn shown(self, rotation: &UnitQuaternion<f64>) -> ShownRotation {
         let (roll, pitch, yaw) = rotation.euler_angles();
-        let degrees = |names, values: [f64; 3]| ShownRotation {
-            names,
-            values: values.map(f64::to_degrees).to_vec(),
-            unit: "deg",
-        };
+        let degrees =
+            |names, values: [f64; 3]| ShownRotation { names, values: values.map(half_turn_up).to_vec(), unit: "deg" };
         match self {
             Maker::Abb => {
-                // Both signs are one rotation; the scalar is not below 0.
-                let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
-                let values = [rotation.w, rotation.i, rotation.j, rotation.k].map(|part| sign * part).to_vec();
+                // Both signs are one rotation; the first part that is not 0 is above it.
+                let parts = [rotation.w, rotation.i, rotation.j, rotation.k];
+                let first = parts.iter().find(|part| part.abs() > ROUNDING);
+                let sign = first.map_or(1.0, |part| part.signum());
+                let values = parts.map(|part| sign * part).to_vec();
                 ShownRotation { names: &["q1", "q2", "q3", "q4"], values, unit: "" }
             }
             Maker::UniversalRobots => {
@@ -55,6 +54,15 @@ impl Maker {
             Maker::Staubli => degrees(&["Rx", "Ry", "Rz"], about_new_axes(rotation)),
         }
     }
+}
+
+/// Less than this is rounding, in radians.
+const ROUNDING: f64 = 1e-12;
+
+/// In degrees; half a turn is 180 and never -180.
+fn half_turn_up(angle: f64) -> f64 {
+    let degrees = angle.to_degrees();
+    if degrees < -180.0 + 1e-9 { degrees + 360.0 } else { degrees }
 }
 
 /// Angles about x, then the new y, then the new z. Where y turns by a quarter x and z are one, and all of it is given to z.
