@@ -485,6 +485,14 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
 /// Of the bodies of the arm: what "proven free" is proven for.
 fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>, findings: &mut Findings) {
     let equipment = run.cell.equipment();
+    if equipment.model().is_assumed() {
+        let what = "the workcell around the arm is assumed: nozzle, plate and stand are not yours; `check_cell ARM --write FILE` makes a file to put your \
+                    numbers in";
+        findings.add(Warning, what, equipment.name(), "--workcell");
+    }
+    if let Some((arm, note)) = equipment.catalogue_arm().and_then(|arm| Some((arm, arm.note?))) {
+        findings.add(Note, note, arm.title, "arm.geometry of the workcell");
+    }
     let Some(bodies) = equipment.link_bodies().filter(|_| !run.without_links) else {
         let what = "the arm was planned without bodies: no motion is proven free of collisions";
         return findings.add(Warning, what, "", "--no-links");

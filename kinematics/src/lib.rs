@@ -9,6 +9,7 @@
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Setup`], [`TableSetup`]: who holds what; from a waypoint to configurations.
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
+//! * `urdf` (cargo feature, on by default): arms from URDF files.
 //! * [`machine`]: five-axis machines as data, in a JSON file: forward and inverse kinematics, and motions of the
 //!   axes along a path.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
@@ -50,6 +51,8 @@ mod setup;
 pub mod stewart;
 mod target;
 mod trig;
+#[cfg(feature = "urdf")]
+pub mod urdf;
 pub mod workcell;
 
 pub use arm::{
@@ -58,8 +61,8 @@ pub use arm::{
 };
 pub use calibration::{
     ArmFit, ArmParameter, Calibration, CalibrationError, FitError, FitOptions, FitResiduals, FitScope, FittedParameter,
-    MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, calibrate_tip,
-    calibrate_tool, fit_arm, fit_residuals,
+    MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, UrCalibrationError,
+    calibrate_tip, calibrate_tool, fit_arm, fit_residuals,
 };
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;

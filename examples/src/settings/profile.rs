@@ -27,7 +27,11 @@ impl Profile {
         let text = input::read_text(path, input::MAX_SETTINGS_BYTES)?;
         let mut profile = Profile::from_json(&text).map_err(failed)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        for (name, is_path) in [("workcell", (|_| true) as fn(&str) -> bool), ("flavour", is_file)] {
+        // The name of an arm has no folder.
+        let is_workcell =
+            |given: &str| folder.join(given).exists() || curvlay_kinematics::robots::find(given).is_none();
+        let is_file: [(&str, &dyn Fn(&str) -> bool); 2] = [("workcell", &is_workcell), ("flavour", &is_file)];
+        for (name, is_path) in is_file {
             if let Some(Value::String(file)) =
                 profile.given.get_mut(name).filter(|file| file.as_str().is_some_and(is_path))
             {

@@ -6,6 +6,7 @@ mod axis_program;
 mod best_orientation;
 mod boge;
 mod calibrate;
+mod check_cell;
 mod clock;
 mod common;
 mod continuous_fiber;

@@ -39,7 +39,7 @@ fn waypoints() -> Vec<print::Waypoint> {
 #[test]
 fn limits_of_joints_cross_each_way_and_back() {
     let own = JointLimits { acceleration: [5.0; 6], jerk: [1.0 / 3.0; 6], ..robots::UR3.limits };
-    for limits in [JointLimits::NONE, own].into_iter().chain(robots::ARMS.map(|(_, arm)| arm.limits)) {
+    for limits in [JointLimits::NONE, own].into_iter().chain(robots::CATALOGUE.iter().map(|arm| arm.model.limits)) {
         let bounds = bounds_of(&limits);
         assert_eq!(to_limits(&bounds), limits);
         assert_eq!(bounds.check().is_ok(), limits.check().is_ok());

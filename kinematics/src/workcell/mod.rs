@@ -60,14 +60,18 @@
 //!
 #![doc = include_str!("../../docs/workcells.md")]
 
+mod around;
 mod check;
 mod eight;
 mod equipment;
 mod file;
 mod growing;
+mod lengths;
 mod links;
 mod model;
 mod six;
+#[cfg(feature = "urdf")]
+mod urdf;
 
 pub use check::WorkcellError;
 pub use eight::EightAxisWorkcell;
@@ -78,9 +82,11 @@ pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
     ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
     MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, ShapeModel,
-    SolidModel, StandModel, VERSION, WorkcellModel,
+    SolidModel, StandModel, UrdfModel, VERSION, WorkcellModel,
 };
 pub use six::SixAxisWorkcell;
+#[cfg(feature = "urdf")]
+pub use urdf::TextReader;
 
 use crate::limits::JointLimits;
 use crate::scene;

@@ -43,6 +43,7 @@ fn wild_model() -> impl Strategy<Value = ArmModel> {
             geometry,
             offsets,
             signs: [1.0; 6],
+            j23_factor: 0.0,
             limits: JointLimits { lower, upper, ..JointLimits::NONE },
         },
     );

@@ -5,6 +5,7 @@ mod arm;
 mod arm_calibrated;
 mod arm_singular;
 mod calibration;
+mod catalogue;
 mod common;
 mod dome_print;
 mod extremes;
@@ -32,5 +33,8 @@ mod scene;
 mod scene_cubic;
 mod setup;
 mod stewart;
+mod ur_calibration;
+#[cfg(feature = "urdf")]
+mod urdf;
 mod workcell;
 mod workcell_json;

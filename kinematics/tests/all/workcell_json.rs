@@ -47,6 +47,7 @@ fn files_say_what_they_say() {
 fn every_kind() -> WorkcellModel {
     let mut model = read(FILES[1]);
     model.arm.geometry = ArmGeometry::OrthoParallel {
+        j23_factor: 0.0,
         a1_mm: 0.0,
         a2_mm: -42.0,
         b_mm: 0.1,
@@ -300,14 +301,14 @@ fn a_controller_names_its_language() {
         AnyWorkcell::new(WorkcellModel { controller, ..read(file) }).map(|cell| cell.equipment().language())
     };
     let [ur3, irb] = [FILES[0], FILES[1]];
-    assert_eq!((with(ur3, None).unwrap(), with(irb, None).unwrap()), (UrScript, Rapid));
+    assert_eq!((with(ur3, None).unwrap(), with(irb, None).unwrap()), (Some(UrScript), Some(Rapid)));
     for language in [Rapid, Krl, Tp] {
-        assert_eq!(with(irb, Some(language)).unwrap(), language);
+        assert_eq!(with(irb, Some(language)).unwrap(), Some(language));
         assert!(
             with(ur3, Some(language)).unwrap_err().to_string().starts_with("controller.language: arms of Universal")
         );
     }
-    assert_eq!(with(ur3, Some(UrScript)).unwrap(), UrScript);
+    assert_eq!(with(ur3, Some(UrScript)).unwrap(), Some(UrScript));
     assert!(with(irb, Some(UrScript)).is_err());
     for (name, language) in [("urscript", UrScript), ("rapid", Rapid), ("krl", Krl), ("tp", Tp)] {
         let file = if language == UrScript { ur3 } else { irb };
