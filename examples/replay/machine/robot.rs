@@ -121,29 +121,43 @@ fn nozzle_of(model: &NozzleModel) -> Result<Frame, RobotFault> {
 }
 
 fn arm_of(geometry: &ArmGeometry) -> Result<ArmModel, RobotFault> {
-    let free = ArmModel { limits: JointLimits::NONE, ..robots::UR3 };
+    let of = |geometry, field, (offsets_deg, signs, j23_factor): (&[f64; 6], &[f64; 6], f64)| {
+        each(field, offsets_deg)?;
+        each(field, signs)?;
+        each(field, &[j23_factor])?;
+        let offsets = offsets_deg.map(f64::to_radians);
+        Ok(ArmModel { geometry, offsets, signs: *signs, j23_factor, limits: JointLimits::NONE })
+    };
     match geometry {
         ArmGeometry::Named(name) => {
-            let found = robots::ARMS.iter().find(|(known, _)| known == name);
-            found.map(|(_, model)| **model).ok_or_else(|| RobotFault::Name {
-                field: "arm.geometry.named",
-                name: name.clone(),
-                known: robots::ARMS.map(|(name, _)| name).join(", "),
-            })
+            let known = || robots::CATALOGUE.iter().map(|arm| arm.name).collect::<Vec<_>>().join(", ");
+            let unknown = || RobotFault::Name { field: "arm.geometry.named", name: name.clone(), known: known() };
+            robots::find(name).map(|arm| arm.model).ok_or_else(unknown)
         }
-        ArmGeometry::Ur { d_mm, upper_arm_mm, forearm_mm } => {
+        // Whoever reads the file puts the lengths of the URDF in its place.
+        ArmGeometry::Urdf(_) => Err(RobotFault::Arm),
+        ArmGeometry::Ur { d_mm, upper_arm_mm, forearm_mm, offsets_deg, signs, j23_factor } => {
             each("arm.geometry.ur.d_mm", d_mm)?;
             each("arm.geometry.ur", &[*upper_arm_mm, *forearm_mm])?;
             let geometry = Geometry::Ur(DhTable::ur(*d_mm, *upper_arm_mm, *forearm_mm));
-            Ok(ArmModel { geometry, offsets: [0.0; 6], signs: [1.0; 6], ..free })
+            of(geometry, "arm.geometry.ur", (offsets_deg, signs, *j23_factor))
         }
-        ArmGeometry::OrthoParallel { a1_mm, a2_mm, b_mm, c1_mm, c2_mm, c3_mm, c4_mm, offsets_deg, signs } => {
+        ArmGeometry::OrthoParallel {
+            a1_mm,
+            a2_mm,
+            b_mm,
+            c1_mm,
+            c2_mm,
+            c3_mm,
+            c4_mm,
+            offsets_deg,
+            signs,
+            j23_factor,
+        } => {
             let (a1, a2, b, c1, c2, c3, c4) = (*a1_mm, *a2_mm, *b_mm, *c1_mm, *c2_mm, *c3_mm, *c4_mm);
             each("arm.geometry.ortho_parallel", &[a1, a2, b, c1, c2, c3, c4])?;
-            each("arm.geometry.ortho_parallel.offsets_deg", offsets_deg)?;
-            each("arm.geometry.ortho_parallel.signs", signs)?;
             let geometry = Geometry::Ortho(OrthoLengths { a1, a2, b, c1, c2, c3, c4 });
-            Ok(ArmModel { geometry, offsets: offsets_deg.map(f64::to_radians), signs: *signs, ..free })
+            of(geometry, "arm.geometry.ortho_parallel", (offsets_deg, signs, *j23_factor))
         }
     }
 }
