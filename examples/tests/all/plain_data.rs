@@ -81,7 +81,7 @@ fn nozzles_cross_each_way_and_back() {
     // Both know the same nozzle by default, and refuse a block that the cone is too wide for.
     let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, .. } = NozzleRule::default();
     assert_eq!(NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm }, Nozzle::default().shape());
-    let narrow = NozzleShape { block_mm: 16.9, ..Nozzle::default().shape() };
+    let narrow = NozzleShape { block_mm: 16.7, ..Nozzle::default().shape() };
     assert!(Nozzle::new(narrow).is_err());
     assert!(NozzleRule { block_mm: narrow.block_mm, ..NozzleRule::default() }.check().is_err());
 }

@@ -179,11 +179,11 @@ impl LayerStack<'_> {
     /// assert!(contacts.is_free(Moment::After { path: 0 }, &pose)?);
     /// let contact = contacts.deepest(Moment::After { path: 1 }, &pose)?.expect("in the wall");
     /// assert_eq!((contact.obstacle, contact.part), (Obstacle::Layer(1), NozzlePart::Cone));
-    /// // A quarter layer below the upper edge, 2.8 mm above the tip: the cone has a radius of 3.3 mm there, the side of the wall
+    /// // A quarter layer below the upper edge, 2.8 mm above the tip: the cone has a radius of 3.2 mm there, the side of the wall
     /// // less its skin is 1.8 mm away.
-    /// assert!((contact.depth - (0.2 + (3.3 - 1.8) * 0.5_f64.sqrt())).abs() < 0.05, "{contact:?}");
+    /// assert!((contact.depth - (0.2 + (3.2 - 1.8) * 0.5_f64.sqrt())).abs() < 0.05, "{contact:?}");
     /// // Down along the axis onto the edge: deepest at the end, 0.6 mm below what is left without the skin.
-    /// let [high, low] = [20.0, 3.0].map(|z| Pose { tip: Point3::new(0.4, 10.0, z), ..pose });
+    /// let [high, low] = [20.0, 3.0].map(|z| Pose { tip: Point3::new(0.3, 10.0, z), ..pose });
     /// let (share, contact) = contacts.deepest_along(Moment::After { path: 1 }, &high, &low, 0.1)?.expect("in the wall");
     /// assert!(share == 1.0 && (contact.depth - 0.8).abs() < 0.02, "{contact:?}");
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -158,12 +158,12 @@ impl Nozzle {
     /// let shape = NozzleShape { tip_flat_mm: 0.8, half_angle: 45_f64.to_radians(), cone_height_mm: 8.0, block_mm: 20.0 };
     /// let nozzle = Nozzle::new(shape)?;
     /// assert_eq!((nozzle, nozzle.shape()), (Nozzle::default(), shape));
-    /// // A millimetre beside the axis at the height of the tip: half a millimetre from the flat, seen across the cone.
-    /// assert!((nozzle.clearance(0.0, 1.0) - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
+    /// // A millimetre beside the axis at the height of the tip: 0.6 mm from the flat, seen across the cone.
+    /// assert!((nozzle.clearance(0.0, 1.0) - 0.6 * 0.5_f64.sqrt()).abs() < 1e-12);
     /// let plate = Nozzle::new(NozzleShape { tip_flat_mm: 9.0, ..shape });
     /// assert_eq!(plate, Err(NozzleError::WiderThanHigh { tip_flat: 9.0, height: 8.0 }));
     /// let radii = [nozzle.tip_radius(), nozzle.cone_radius(), nozzle.block_radius()];
-    /// assert!(radii[0] == 0.5 && (radii[1] - 8.5).abs() < 1e-12 && radii[2] == 10.0 && nozzle.cone_height() == 8.0);
+    /// assert!(radii[0] == 0.4 && (radii[1] - 8.4).abs() < 1e-12 && radii[2] == 10.0 && nozzle.cone_height() == 8.0);
     /// # Ok::<(), NozzleError>(())
     /// ```
     pub fn new(shape: NozzleShape) -> Result<Self, NozzleError> {

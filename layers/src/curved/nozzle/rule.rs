@@ -114,7 +114,7 @@ impl NozzleRule {
     /// use curvlay_layers::curved::{NozzleRule, NozzleRuleError};
     /// assert_eq!(NozzleRule::default().check(), Ok(()));
     /// let narrow = NozzleRule { block_mm: 10.0, ..NozzleRule::default() };
-    /// assert!(matches!(narrow.check(), Err(NozzleRuleError::Block { cone_mm, .. }) if (cone_mm - 17.0).abs() < 1e-9));
+    /// assert!(matches!(narrow.check(), Err(NozzleRuleError::Block { cone_mm, .. }) if (cone_mm - 16.8).abs() < 1e-9));
     /// ```
     pub fn check(&self) -> Result<(), NozzleRuleError> {
         let NozzleRule { tip_flat_mm, half_angle, cone_height_mm, block_mm, max_tilt, margin } = *self;
