@@ -49,7 +49,7 @@ const FREE: f64 = 1e5;
 /// Cost of a way that the linear axes do not reach: it is taken, and reported, where there is no other one.
 const OUT_OF_REACH: f64 = 1e12;
 
-/// Whole turns on either side of the first reading that are looked at, beside those to which a bead winds on: an axis of more turns may be wound back once more than it must.
+/// Whole turns that are looked at on either side of the cheapest state before: an axis of more turns may be wound back once more than it must.
 const TURNS: u64 = 4;
 
 /// A reading goes on continuously from another one by less than this, radians; nodes stand closer, and images are a whole turn apart.
@@ -138,43 +138,37 @@ impl Search<'_> {
         });
     }
 
-    /// All states of a node outside of poles: the turns next to where the axes were at first, and those with which states of the column before go on.
-    fn push_all(&mut self, node: usize, before: Range<usize>) {
+    /// All states of a node outside of poles: the turns next to `near`.
+    fn push_all(&mut self, node: usize, near: [f64; 2]) {
         let (machine, pose) = (self.task.machine, self.nodes[node].pose);
-        let Ok(pairs) = machine.pairs(&pose.tip, &pose.direction, self.near) else { return };
-        let start = self.states.len();
+        let Ok(pairs) = machine.pairs(&pose.tip, &pose.direction, near) else { return };
         for pair in pairs.into_iter().flatten() {
-            if !machine.has_linear(&machine.place(&pose.tip, &pair.rotary)) {
-                continue;
-            }
-            let near = self.near;
-            self.push_turns_of(&pair, near, TURNS, start);
-            for from in before.clone() {
-                self.push_turns_of(&pair, self.states[from].rotary, 0, start);
+            if machine.has_linear(&machine.place(&pose.tip, &pair.rotary)) {
+                self.push_turns_of(&pair, near);
             }
         }
     }
 
-    /// Images of a pair next to `near`, but for those that are there already, from `start` on.
-    fn push_turns_of(&mut self, pair: &Pair, near: [f64; 2], turns: u64, start: usize) {
+    /// The reading of the cheapest state of a column.
+    fn cheapest(&self, column: &Column) -> [f64; 2] {
+        let states = &self.states[column.states.clone()];
+        let cheapest = states.iter().min_by(|a, b| a.leave.total_cmp(&b.leave));
+        cheapest.map_or(self.near, |state| state.rotary)
+    }
+
+    /// Images of a pair next to `near`.
+    fn push_turns_of(&mut self, pair: &Pair, near: [f64; 2]) {
         let axes = &self.task.machine.rotary;
         let images = [0, 1].map(|k: usize| axes[k].images(pair.rotary[k], near[k]));
         let [Some(first), Some(second)] = images else { return };
         let window = |images: &Images, near: f64| {
             // Saturates at 0.
             let middle = (((near - images.first) / TAU).round() as u64).min(images.count - 1);
-            middle.saturating_sub(turns)..images.count.min(middle + turns + 1)
+            middle.saturating_sub(TURNS)..images.count.min(middle + TURNS + 1)
         };
         for turn in window(&first, near[0]) {
             for tilt in window(&second, near[1]) {
-                let rotary = [axes[0].image(&first, turn), axes[1].image(&second, tilt)];
-                let is_there = |state: &State| {
-                    let ways = self.ways(&state.rotary, &rotary);
-                    state.branch == Some(pair.branch) && ways.iter().all(|way| way.abs() < 1.0)
-                };
-                if !self.states[start..].iter().any(is_there) {
-                    self.push(rotary, Some(pair.branch));
-                }
+                self.push([axes[0].image(&first, turn), axes[1].image(&second, tilt)], Some(pair.branch));
             }
         }
     }
@@ -183,7 +177,7 @@ impl Search<'_> {
         if self.nodes[0].is_inside {
             self.push_turns()
         } else {
-            self.push_all(0, 0..0)
+            self.push_all(0, self.near)
         }
         // Where the axes are there already, they arrive in one state, of which only the branch is not known; a rewind leads to the others.
         let cost = |state: &State| self.ways(&self.near, &state.rotary).iter().map(|way| way.abs()).sum::<f64>();
@@ -222,7 +216,7 @@ impl Search<'_> {
         if self.nodes[node].is_inside {
             self.stay(&before, node);
         } else {
-            self.push_all(node, before.states.clone());
+            self.push_all(node, self.cheapest(&before));
             let is_direct = node == before.node + 1 && !self.nodes[before.node].is_inside;
             for to in start..self.states.len() {
                 for from in before.states.clone() {
