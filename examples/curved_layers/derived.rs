@@ -163,19 +163,19 @@ impl Args {
     }
 
     pub fn field_options(&self, layers_by: LayersBy, nozzle: &Nozzle) -> FieldOptions {
-        let GrowArgs { eps_cells: eps, beyond_eps, .. } = self.grow;
+        let GrowArgs { eps_cells, beyond_eps, .. } = self.grow;
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
         let layers = LayerOptions { strategy, height_mm, ..complete };
-        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, layers }
+        FieldOptions { resolution, eps_cells, beyond_eps, platform_diameter_mm, layers }
     }
 
     /// Turns the part into its best pose.
     pub fn lay(&self, part: &mut Part, bars: &Bars) -> Result<Posed, Failure> {
         let start = Instant::now();
-        let GrowArgs { eps_cells: eps, beyond_eps, .. } = self.grow;
-        let rules = Rules { inside_depth_cells: eps, boundary_is_inside: !beyond_eps, ..Rules::default() };
+        let GrowArgs { eps_cells, beyond_eps, .. } = self.grow;
+        let rules = Rules { inside_depth_cells: eps_cells, boundary_is_inside: !beyond_eps, ..Rules::default() };
         let options = self.posing.options(rules, self.platform_diameter_mm());
         let search = search(&part.mesh, &self.posing, &options, bars)?;
         let best = search.best().pose;
@@ -220,7 +220,7 @@ impl Args {
 
     /// How the layers are filled, and their support if there is any.
     pub fn fill(&self, part: PathOptions, surfaces: &SurfacesRun) -> LayerFill {
-        let density = self.complete.support_density / 100.0;
+        let density = self.complete.support_density_percent / 100.0;
         LayerFill { part, support: surfaces.support.as_ref().map(|_| part.for_support(density)) }
     }
 

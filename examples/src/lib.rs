@@ -5,6 +5,7 @@
 pub mod args;
 pub mod bars;
 pub mod clock;
+pub mod count;
 mod finding;
 pub mod findings;
 mod html;

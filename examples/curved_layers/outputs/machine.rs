@@ -9,6 +9,7 @@ use crate::machine::{MachineRun, to_lay_mm3};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -144,11 +145,31 @@ pub fn summary(
     written: &Written,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
+    of_orientation(job, field, paths, run, summary)?;
+    if let Some(skin) = run.skin {
+        summary
+            .set("skin_gap_mean_mm", skin.mean_mm)?
+            .set("skin_gap_p50_mm", skin.p50_mm)?
+            .set("skin_gap_p95_mm", skin.p95_mm)?
+            .set("skin_bare_share", skin.bare_share)?;
+    }
+    of_deposition(job, run, summary)?;
+    of_support(job, run, summary)?;
+    summary.set("gcode_bytes", written.bytes)?;
+    Ok(())
+}
+
+/// How the nozzle is oriented, what it collides with, and what is left out for that.
+fn of_orientation(
+    job: &Job,
+    field: &FieldRun,
+    paths: &PathsRun,
+    run: &MachineRun,
+    summary: &mut Summary,
+) -> Result<(), Failure> {
+    let (resolved, times) = (&run.resolved, &run.times);
     let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
         job.setup.cell.equipment().model().nozzle;
-    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
-    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
         .set("filled_share", run.filled_shares(field, paths)[0])?
@@ -175,17 +196,18 @@ pub fn summary(
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
         .set("raised_waypoints", resolved.lifted)?
         .set("max_raise_mm", resolved.max_lift)?
-        .set("extruded_mm3", deposition.extruded_mm3)?;
+        .set("extruded_mm3", run.deposition.extruded_mm3)?;
     if let Some(covered_mm3) = run.covered_mm3 {
         summary.set("covered_mm3", covered_mm3)?;
     }
-    if let Some(skin) = run.skin {
-        summary
-            .set("skin_gap_mean_mm", skin.mean_mm)?
-            .set("skin_gap_p50_mm", skin.p50_mm)?
-            .set("skin_gap_p95_mm", skin.p95_mm)?
-            .set("skin_bare_share", skin.bare_share)?;
-    }
+    Ok(())
+}
+
+/// The filament, the time and what limits the feed, and the travels.
+fn of_deposition(job: &Job, run: &MachineRun, summary: &mut Summary) -> Result<(), Failure> {
+    let (deposition, times) = (&run.deposition, &run.times);
+    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
+    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     summary
         .set("filament_mm", deposition.filament_mm)?
         .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
@@ -200,7 +222,13 @@ pub fn summary(
         .set("blocked_travels", run.travels.blocked.len())?
         .set("max_lift_mm", run.travels.max_lift)?
         .set_seconds("travels_s", times.travels)?
-        .set("retractions", deposition.retractions)?
+        .set("retractions", deposition.retractions)?;
+    Ok(())
+}
+
+/// What is under the beads.
+fn of_support(job: &Job, run: &MachineRun, summary: &mut Summary) -> Result<(), Failure> {
+    summary
         .set("support_distance", job.args.support_distance_heights)?
         .set("unsupported_mm", run.support.unsupported_mm())?
         .set("unsupported_share", run.support.unsupported_share())?
@@ -209,8 +237,7 @@ pub fn summary(
         .set("span_mm", run.support.span_mm())?
         .set("spans", run.support.spans.len())?
         .set("span_longest_mm", run.support.longest_span_mm())?
-        .set_seconds("support_s", times.support)?
-        .set("gcode_bytes", written.bytes)?;
+        .set_seconds("support_s", run.times.support)?;
     Ok(())
 }
 
@@ -238,7 +265,10 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
         .row(["travels".to_owned(), travels(run)])
         .row(["unsupported".to_owned(), on_nothing(run)])
         .row(["skin".to_owned(), skin(run)])
-        .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
+        .row([
+            "machine file".to_owned(),
+            format!("{}, {:.1} MB", counted(written.lines, "line"), written.bytes as f64 / 1e6),
+        ])
         .row([
             "time".to_owned(),
             format!(
@@ -268,7 +298,7 @@ fn limits(run: &MachineRun) -> String {
 
 fn gouging_row(resolved: &ResolvedPaths) -> String {
     let (before, after) = (resolved.gouging_before, resolved.left.len());
-    let mut row = format!("{before} waypoints before, {after} after");
+    let mut row = format!("{} before, {after} after", counted(before, "waypoint"));
     if !resolved.left_out.is_empty() {
         row += &format!("; pieces of paths left out: {}", resolved.left_out.len());
     }
@@ -278,13 +308,13 @@ fn gouging_row(resolved: &ResolvedPaths) -> String {
 fn on_nothing(run: &MachineRun) -> String {
     let support = &run.support;
     format!(
-        "{:.1} mm of bead, {}, in {} pieces of at most {:.1} mm; {:.1} mm in {} spans of at most {:.1} mm",
+        "{:.1} mm of bead, {}, in {} of at most {:.1} mm; {:.1} mm in {} of at most {:.1} mm",
         support.unsupported_mm(),
         percent(support.unsupported_share()),
-        support.unsupported.len(),
+        counted(support.unsupported.len(), "piece"),
         support.longest_mm(),
         support.span_mm(),
-        support.spans.len(),
+        counted(support.spans.len(), "span"),
         support.longest_span_mm()
     )
 }

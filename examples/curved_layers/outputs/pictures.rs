@@ -5,6 +5,7 @@ use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
+use curvlay_examples::count::counted;
 use curvlay_examples::render::{Camera, Image, Scene, layer_colour, ramp};
 use curvlay_layers::curved::surface::Spacing;
 use curvlay_layers::trim::TrimmedSheet;
@@ -49,7 +50,7 @@ pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
     (1..=FRAMES)
         .into_par_iter()
         .map(|frame| (layers * frame).div_ceil(FRAMES))
-        .map(|until| (format!("{until} of {layers} layers"), draw(field, run, 0..until)))
+        .map(|until| (format!("{until} of {}", counted(layers, "layer")), draw(field, run, 0..until)))
         .collect()
 }
 
@@ -107,7 +108,8 @@ pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Pictur
         }
     }
     let [width, height] = PATHS;
-    let caption = format!("layer {}: {} curves, {:.0} mm", at + 1, layer.paths.paths.len(), layer.statistics.path_mm);
+    let caption =
+        format!("layer {}: {}, {:.0} mm", at + 1, counted(layer.paths.paths.len(), "curve"), layer.statistics.path_mm);
     Some((caption, scene.draw(width, height).to_png()))
 }
 

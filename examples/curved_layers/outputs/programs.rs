@@ -11,6 +11,7 @@ use crate::motion::MotionRun;
 use crate::motion::args::ProgramFormat;
 use crate::motion::read_back::read_back;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;
 use curvlay_examples::motion::programs::{
@@ -344,7 +345,8 @@ pub fn find(run: &Programs, fastest_mm_s: f64, findings: &mut Findings) {
 }
 
 pub fn rows(run: &Programs, table: &mut Table) {
-    let written = format!("{} files, {} steps, {:.1} MB", run.files, run.steps, run.bytes as f64 / 1e6);
+    let written =
+        format!("{}, {}, {:.1} MB", counted(run.files, "file"), counted(run.steps, "step"), run.bytes as f64 / 1e6);
     table.row(["programs".to_owned(), run.refused.clone().unwrap_or(written)]);
     if let Some(read) = &run.read {
         let laid = format!("{:.1} of {:.1} mm of filament", read.filament_mm, read.planned_mm);

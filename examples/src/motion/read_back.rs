@@ -81,48 +81,22 @@ impl ReadBack {
         let legs: Vec<Segment<'_, N, F>> = plan.segments(runs.clone()).collect();
         let filament = plan.runs[runs.clone()].iter().filter_map(|run| run.filament_mm.last());
         self.planned_mm += filament.sum::<f64>();
-        let mut checked = Checked { legs: &legs, begin: 0.0, time: 0.0 };
-        let mut lines = Lines { cell, plan, runs, kind, targets: Vec::new(), is_cut_short: false };
         let is_stream = kind == Kind::Stream;
-        let tip = |joints: &[f64; N]| cell.nozzle_on_part(joints).map(|nozzle| Point3::from(nozzle.translation.vector));
-        let (mut is_on, mut fed, mut place) = (false, 0.0, None);
-        // Where the tool is on the part while it goes in lines.
-        let mut pose: Option<Isometry3<f64>> = None;
-        // Where it begins, and where it is.
-        let mut ends: [Option<[f64; 6]>; 2] = [None; 2];
+        let mut tool = Tool {
+            cell,
+            kind,
+            checked: Checked { legs: &legs, begin: 0.0, time: 0.0 },
+            lines: Lines { cell, plan, runs, kind, targets: Vec::new(), is_cut_short: false },
+            is_on: false,
+            fed: 0.0,
+            place: None,
+            pose: None,
+            ends: [None; 2],
+        };
         for step in steps {
-            match step? {
-                Step::Signal { .. } | Step::Wait(_) => {}
-                Step::FilamentSpeed(mm_s) => fed = mm_s,
-                Step::Extruder(on) => {
-                    if on && !is_on && !is_stream {
-                        pose = lines.begin();
-                    }
-                    is_on = on;
-                }
-                Step::Servo { joints, seconds } => {
-                    let (to, expected) =
-                        (tip(&of_cell(&joints)), checked.after(seconds).and_then(|joints| tip(&joints)));
-                    self.off_mm = self.off_mm.max(distance(to, expected).unwrap_or(f64::INFINITY));
-                    if is_on {
-                        self.filament_mm += fed * seconds;
-                    } else {
-                        self.travel_mm_s = self.travel_mm_s.max(distance(place, to).unwrap_or(0.0) / seconds);
-                    }
-                    (place, ends[1]) = (to, Some(joints));
-                }
-                Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
-                    ends = [ends[0].or(Some(joints)), Some(joints)];
-                    place = tip(&of_cell(&joints));
-                }
-                Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
-                    self.off_mm = self.off_mm.max(lines.to(&tip_of(&target.pose)));
-                    let length = pose.map_or(0.0, |from| kind.way(&from, &target.pose));
-                    self.filament_mm += if is_on { fed * length / speed.mm_s } else { 0.0 };
-                    (pose, ends[1]) = (Some(target.pose), None);
-                }
-            }
+            tool.pass(&step?, self);
         }
+        let Tool { lines, ends, .. } = tool;
         if !is_stream && lines.are_cut_short() {
             self.off_mm = f64::INFINITY;
         }
@@ -133,6 +107,64 @@ impl ReadBack {
         self.programs += 1;
         self.not_at_home += usize::from(!ends.iter().all(is_home));
         Ok(())
+    }
+}
+
+/// Extruder and nozzle along the steps of a program.
+struct Tool<'a, const N: usize, const F: usize, W> {
+    cell: &'a W,
+    kind: Kind,
+    checked: Checked<'a, N, F>,
+    lines: Lines<'a, N, F, W>,
+    is_on: bool,
+    /// Speed of the filament in mm/s.
+    fed: f64,
+    /// Where the tip is, if that is known.
+    place: Option<Point3<f64>>,
+    /// Where the tool is on the part while it goes in lines.
+    pose: Option<Isometry3<f64>>,
+    /// Joints where the program begins, and where it is.
+    ends: [Option<[f64; 6]>; 2],
+}
+
+impl<const N: usize, const F: usize, W: Workcell<N, F>> Tool<'_, N, F, W> {
+    fn tip(&self, joints: &[f64; N]) -> Option<Point3<f64>> {
+        self.cell.nozzle_on_part(joints).map(|nozzle| Point3::from(nozzle.translation.vector))
+    }
+
+    /// Goes on by a step, and adds what it lays and how far it is off.
+    fn pass(&mut self, step: &Step, read: &mut ReadBack) {
+        match step {
+            Step::Signal { .. } | Step::Wait(_) => {}
+            Step::FilamentSpeed(mm_s) => self.fed = *mm_s,
+            Step::Extruder(on) => {
+                if *on && !self.is_on && self.kind != Kind::Stream {
+                    self.pose = self.lines.begin();
+                }
+                self.is_on = *on;
+            }
+            Step::Servo { joints, seconds } => {
+                let expected = self.checked.after(*seconds).and_then(|joints| self.tip(&joints));
+                let to = self.tip(&of_cell(joints));
+                read.off_mm = read.off_mm.max(distance(to, expected).unwrap_or(f64::INFINITY));
+                if self.is_on {
+                    read.filament_mm += self.fed * seconds;
+                } else {
+                    read.travel_mm_s = read.travel_mm_s.max(distance(self.place, to).unwrap_or(0.0) / seconds);
+                }
+                (self.place, self.ends[1]) = (to, Some(*joints));
+            }
+            Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
+                self.ends = [self.ends[0].or(Some(*joints)), Some(*joints)];
+                self.place = self.tip(&of_cell(joints));
+            }
+            Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
+                read.off_mm = read.off_mm.max(self.lines.to(&tip_of(&target.pose)));
+                let length = self.pose.map_or(0.0, |from| self.kind.way(&from, &target.pose));
+                read.filament_mm += if self.is_on { self.fed * length / speed.mm_s } else { 0.0 };
+                (self.pose, self.ends[1]) = (Some(target.pose), None);
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Robots by their published numbers.
 //!
-//! Lengths and limits are the makers' as named at each constant; nobody publishes accelerations and jerks, so those
+//! Lengths and limits are the makers' as named at each constant; makers do not publish accelerations and jerks, so those
 //! are infinite. Frames: of a UR arm frame 0 is the controller's base and frame 6 its flange (ROS `base_link` is this
 //! base turned by pi about z); of an ABB arm the base frame at the floor, and `tool0`, z along axis 6.
 

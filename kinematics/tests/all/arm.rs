@@ -34,7 +34,7 @@ fn offset() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), -200.0..200.0f64]
 }
 
-/// Arms that nobody has built yet.
+/// Random arms.
 fn made_up() -> impl Strategy<Value = ArmModel> {
     let ur =
         (prop::array::uniform6(offset()), link(), link()).prop_map(|(d, a2, a3)| Geometry::Ur(DhTable::ur(d, a2, a3)));

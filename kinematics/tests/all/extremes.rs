@@ -12,7 +12,7 @@ use curvlay_kinematics::{
 use proptest::prelude::*;
 use std::ops::ControlFlow::Continue;
 
-/// Numbers of all sizes, and those that are none.
+/// Numbers of all sizes, infinity and NaN.
 fn wild() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -10.0..10.0f64,

@@ -85,7 +85,7 @@ proptest! {
                     on = now;
                 }
                 Step::FilamentSpeed(now) => speed = now,
-                Step::Move(_) | Step::Signal { .. } | Step::Wait(_) => prop_assert!(false, "a second move, or a signal of nobody"),
+                Step::Move(_) | Step::Signal { .. } | Step::Wait(_) => prop_assert!(false, "a second move, or an unexpected signal"),
             }
         }
         prop_assert_eq!(f64::from(tick), (total / rate.seconds() + 1e-12).floor());
@@ -207,7 +207,7 @@ fn targets_of_little() {
     assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![], head: None }), []);
     assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![[0.0; 8]], head: None }).len(), 1);
     assert_eq!(steps(TargetMotion { knots: motion().knots[..1].to_vec(), onward: vec![], head: None }).len(), 4);
-    // Standing still takes the least speeds; filament that is drawn back is none.
+    // Standing still takes the least speeds; filament that is drawn back does not count.
     let still = |time_s, filament_mm| PrintKnot { time_s, filament_mm, ..motion().knots[0] };
     let slow = steps(TargetMotion { knots: vec![still(0.0, 1.0), still(1.0, 0.0)], onward: vec![], head: None });
     let Step::Move(Move { speed, .. }) = slow[3] else { panic!("{:?}", slow[3]) };

@@ -1,4 +1,4 @@
-//! Files of workcells: written and read, and files that are none.
+//! Files of workcells: written and read, and invalid files.
 #![cfg(feature = "serde")]
 
 use curvlay_kinematics::workcell::{

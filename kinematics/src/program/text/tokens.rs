@@ -3,7 +3,7 @@
 use crate::program::check::MAX_NUMBER;
 use std::io::{self, BufRead};
 
-/// Longest line that is read, in bytes: our lines have less than 400, and nobody's file may fill the memory.
+/// Longest line that is read, in bytes: our lines have less than 400, and no file may fill the memory.
 const MAX_LINE: usize = 16 * 1024;
 
 /// What some editors put before a text in UTF-8.
