@@ -172,92 +172,134 @@ fn working(part: &Shape) -> Vec<Posture> {
     found
 }
 
-fn bench(c: &mut Criterion) {
-    let scene = scene(vase());
-    let baseline = Baseline::new(&scene);
-    let touches = |posture: &Posture| scene.touching(posture).expect("angles").is_some();
-    let distance = |posture: &Posture| scene.nearest(posture).expect("angles").map_or(f64::INFINITY, |n| n.distance);
-    // The free ones of some postures, timed after the answers for all of them were compared.
-    let compared = |name: &str, all: Vec<Posture>| {
+/// The two sides that are compared: the scene, and parry's own queries over the same bodies.
+struct Sides {
+    scene: Scene,
+    baseline: Baseline,
+}
+
+impl Sides {
+    fn touches(&self, posture: &Posture) -> bool {
+        self.scene.touching(posture).expect("angles").is_some()
+    }
+
+    fn distance(&self, posture: &Posture) -> f64 {
+        self.scene.nearest(posture).expect("angles").map_or(f64::INFINITY, |nearest| nearest.distance)
+    }
+
+    fn sweep(&self, posture: &Posture) -> bool {
+        self.scene.sweep(posture, &step(posture), 0.5).expect("angles") == Sweep::Free
+    }
+
+    /// A short straight motion at 51 postures.
+    fn sampled(&self, posture: &Posture) -> bool {
+        let at = |k: usize| Posture { joints: posture.joints.map(|angle| angle + 0.001 * k as f64), ..*posture };
+        (0..=50).all(|k| !self.touches(&at(k)))
+    }
+
+    fn sweep_cubic(&self, posture: &Posture) -> bool {
+        self.scene.sweep_cubic(&cubic(posture), 0.5).expect("angles") == Sweep::Free
+    }
+
+    /// A cubic motion by 32 straight ones.
+    fn chords(&self, posture: &Posture) -> bool {
+        let control = cubic(posture);
+        let knots: Vec<Posture> = (0..=32).map(|k| on_curve(&control, f64::from(k) / 32.0)).collect();
+        knots.windows(2).all(|ends| self.scene.sweep(&ends[0], &ends[1], 0.5).expect("angles") == Sweep::Free)
+    }
+
+    /// A cubic motion at 201 postures.
+    fn sampled_cubic(&self, posture: &Posture) -> bool {
+        let control = cubic(posture);
+        (0..=200).all(|k| !self.touches(&on_curve(&control, f64::from(k) / 200.0)))
+    }
+
+    /// The free ones of some postures, timed after the answers for all of them were compared.
+    fn compared(&self, name: &str, all: Vec<Posture>) -> Vec<Posture> {
+        let Sides { scene, baseline } = self;
         let mut differing = 0;
         for posture in &all {
-            let (ours, theirs) = (distance(posture), baseline.distance(posture));
-            assert_eq!(touches(posture), ours <= 0.0);
-            differing += usize::from((ours - theirs).abs() > 1e-5 || touches(posture) != baseline.touching(posture));
+            let (ours, theirs) = (self.distance(posture), baseline.distance(posture));
+            let touches = self.touches(posture);
+            assert_eq!(touches, ours <= 0.0);
+            differing += usize::from((ours - theirs).abs() > 1e-5 || touches != baseline.touching(posture));
         }
-        let free: Vec<Posture> = all.iter().filter(|posture| !touches(posture)).copied().collect();
+        let free: Vec<Posture> = all.iter().filter(|posture| !self.touches(posture)).copied().collect();
         let pairs = scene.pairs().count();
         eprintln!(
             "{name}: {pairs} pairs; {} of {POSTURES} postures are free; answers differ at {differing}",
             free.len()
         );
         for (share, some) in [("all", &all), ("free", &free)] {
-            time_questions(&format!("boolean_{name}_{share}/scene"), some.len(), || {
-                some.iter().for_each(|p| _ = black_box(touches(p)))
-            });
-            let theirs = || some.iter().for_each(|p| _ = black_box(baseline.touching(p)));
-            time_questions(&format!("boolean_{name}_{share}/baseline_parry"), some.len(), theirs);
+            time_each(&format!("boolean_{name}_{share}/scene"), some, |p| self.touches(p));
+            time_each(&format!("boolean_{name}_{share}/baseline_parry"), some, |p| baseline.touching(p));
         }
-        time_questions(&format!("distance_{name}_free/scene"), free.len(), || {
-            free.iter().for_each(|p| _ = black_box(distance(p)))
-        });
-        time_questions(&format!("distance_{name}_free/baseline_parry"), free.len(), || {
-            free.iter().for_each(|p| _ = black_box(baseline.distance(p)))
-        });
+        time_each(&format!("distance_{name}_free/scene"), &free, |p| self.distance(p));
+        time_each(&format!("distance_{name}_free/baseline_parry"), &free, |p| baseline.distance(p));
         free
-    };
-    compared("working", working(&vase()));
-    let free = compared("random", postures());
+    }
+}
+
+/// Times a question about each of some postures.
+fn time_each<T>(name: &str, postures: &[Posture], question: impl Fn(&Posture) -> T) {
+    time_questions(name, postures.len(), || postures.iter().for_each(|p| _ = black_box(question(p))));
+}
+
+/// The end of a short motion.
+fn step(posture: &Posture) -> Posture {
+    Posture { joints: posture.joints.map(|angle| angle + 0.05), ..*posture }
+}
+
+/// A cubic motion to the same end: as fast as the straight one on average, faster at the start and slower at the end.
+fn cubic(posture: &Posture) -> [Posture; 4] {
+    let rate = |by: f64| [by, by, -by, by, -by, by].into();
+    cubic_control(posture, &rate(0.15), &step(posture), &rate(0.02), 1.0)
+}
+
+/// A posture of a cubic motion.
+fn on_curve([a, b, c, d]: &[Posture; 4], t: f64) -> Posture {
+    let u = 1.0 - t;
+    let weights = [u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t];
+    let at = |k| [a, b, c, d].iter().zip(weights).map(|(point, weight)| point.joints[k] * weight).sum();
+    Posture { joints: std::array::from_fn(at), ..*a }
+}
+
+fn bench(c: &mut Criterion) {
+    let scene = scene(vase());
+    let baseline = Baseline::new(&scene);
+    let sides = Sides { scene, baseline };
+    sides.compared("working", working(&vase()));
+    let free = sides.compared("random", postures());
+    let Sides { baseline, .. } = &sides;
 
     let mut group = c.benchmark_group("collision");
     group.sample_size(20).throughput(Throughput::Elements(free.len() as u64));
-    group.bench_function("boolean", |b| b.iter(|| free.iter().filter(|p| touches(p)).count()));
-    group.bench_function("boolean_baseline_parry", |b| b.iter(|| free.iter().filter(|p| baseline.touching(p)).count()));
-    group.bench_function("distance", |b| b.iter(|| free.iter().map(&distance).sum::<f64>()));
+    let mut counted = |name: &str, says: &dyn Fn(&Posture) -> bool| {
+        group.bench_function(name, |b| b.iter(|| free.iter().filter(|p| says(p)).count()));
+    };
+    counted("boolean", &|p| sides.touches(p));
+    counted("boolean_baseline_parry", &|p| baseline.touching(p));
+
+    // What is proven free has no sample that touches.
+    assert!(free.iter().all(|p| !sides.sweep(p) || sides.sampled(p)));
+    eprintln!("{} of {} short motions are free", free.iter().filter(|p| sides.sweep(p)).count(), free.len());
+    time_each("sweep/scene", &free, |p| sides.sweep(p));
+    time_each("sweep/baseline_50_samples", &free, |p| sides.sampled(p));
+
+    assert!(free.iter().all(|p| !sides.sweep_cubic(p) || sides.sampled_cubic(p)));
+    let count = |says: &dyn Fn(&Posture) -> bool| free.iter().filter(|p| says(p)).count();
+    let [by_scene, by_chords] = [count(&|p| sides.sweep_cubic(p)), count(&|p| sides.chords(p))];
+    eprintln!("cubics of {}: {by_scene} free, by their chords {by_chords}", free.len());
+    time_each("sweep_cubic/scene", &free, |p| sides.sweep_cubic(p));
+    time_each("sweep_cubic/baseline_32_chords", &free, |p| sides.chords(p));
+    counted("sweep", &|p| sides.sweep(p));
+    counted("sweep_baseline_50_samples", &|p| sides.sampled(p));
+    counted("sweep_cubic", &|p| sides.sweep_cubic(p));
+    counted("sweep_cubic_baseline_32_chords", &|p| sides.chords(p));
+    group.bench_function("distance", |b| b.iter(|| free.iter().map(|p| sides.distance(p)).sum::<f64>()));
     group.bench_function("distance_baseline_parry", |b| {
         b.iter(|| free.iter().map(|p| baseline.distance(p)).sum::<f64>())
     });
-
-    let step = |p: &Posture| Posture { joints: p.joints.map(|angle| angle + 0.05), ..*p };
-    let sweep = |p: &Posture| scene.sweep(p, &step(p), 0.5).expect("angles") == Sweep::Free;
-    let sampled = |p: &Posture| {
-        let at = |k: usize| Posture { joints: p.joints.map(|angle| angle + 0.001 * k as f64), ..*p };
-        (0..=50).all(|k| !touches(&at(k)))
-    };
-    // What is proven free has no sample that touches.
-    assert!(free.iter().all(|p| !sweep(p) || sampled(p)));
-    eprintln!("{} of {} short motions are free", free.iter().filter(|p| sweep(p)).count(), free.len());
-    time_questions("sweep/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep(p))));
-    time_questions("sweep/baseline_50_samples", free.len(), || free.iter().for_each(|p| _ = black_box(sampled(p))));
-
-    // As fast as that on average, faster at the start and slower at the end.
-    let rate = |by: f64| [by, by, -by, by, -by, by].into();
-    let cubic = |p: &Posture| cubic_control(p, &rate(0.15), &step(p), &rate(0.02), 1.0);
-    let on_curve = |[a, b, c, d]: &[Posture; 4], t: f64| {
-        let u = 1.0 - t;
-        let weights = [u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t];
-        let at = |k| [a, b, c, d].iter().zip(weights).map(|(point, weight)| point.joints[k] * weight).sum();
-        Posture { joints: std::array::from_fn(at), ..*a }
-    };
-    let sweep_cubic = |p: &Posture| scene.sweep_cubic(&cubic(p), 0.5).expect("angles") == Sweep::Free;
-    let chords = |p: &Posture| {
-        let control = cubic(p);
-        let knots: Vec<Posture> = (0..=32).map(|k| on_curve(&control, f64::from(k) / 32.0)).collect();
-        knots.windows(2).all(|ends| scene.sweep(&ends[0], &ends[1], 0.5).expect("angles") == Sweep::Free)
-    };
-    let sampled_cubic = |p: &Posture| {
-        let control = cubic(p);
-        (0..=200).all(|k| !touches(&on_curve(&control, f64::from(k) / 200.0)))
-    };
-    assert!(free.iter().all(|p| !sweep_cubic(p) || sampled_cubic(p)));
-    let count = |says: &dyn Fn(&Posture) -> bool| free.iter().filter(|p| says(p)).count();
-    eprintln!("cubics of {}: {} free, by their chords {}", free.len(), count(&sweep_cubic), count(&chords));
-    time_questions("sweep_cubic/scene", free.len(), || free.iter().for_each(|p| _ = black_box(sweep_cubic(p))));
-    time_questions("sweep_cubic/baseline_32_chords", free.len(), || free.iter().for_each(|p| _ = black_box(chords(p))));
-    group.bench_function("sweep", |b| b.iter(|| free.iter().filter(|p| sweep(p)).count()));
-    group.bench_function("sweep_baseline_50_samples", |b| b.iter(|| free.iter().filter(|p| sampled(p)).count()));
-    group.bench_function("sweep_cubic", |b| b.iter(|| free.iter().filter(|p| sweep_cubic(p)).count()));
-    group.bench_function("sweep_cubic_baseline_32_chords", |b| b.iter(|| free.iter().filter(|p| chords(p)).count()));
     group.finish();
 }
 

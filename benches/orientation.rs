@@ -138,9 +138,9 @@ fn slow(rasters: &[Vec<Point3<f64>>], paths: &[ToolPath]) -> Vec<Vec<f64>> {
     let of_path = |path: &ToolPath| {
         let least = |w: &curvlay_toolpath::orientation::Waypoint| {
             let clearance = |p: &Point3<f64>| {
-                let v = p - w.tip;
-                let z = v.dot(&w.direction);
-                nozzle.clearance(z, (v - w.direction.into_inner() * z).norm())
+                let v = p - w.position;
+                let z = v.dot(&w.axis);
+                nozzle.clearance(z, (v - w.axis.into_inner() * z).norm())
             };
             rasters[..path.layer as usize].iter().flatten().map(clearance).fold(f64::INFINITY, f64::min)
         };
@@ -212,7 +212,7 @@ fn contact(c: &mut Criterion) {
         let each = |path: usize| {
             let waypoints = paths[path].waypoints.iter().enumerate();
             waypoints
-                .map(move |(waypoint, w)| (Moment::At { path, waypoint }, Pose { tip: w.tip, direction: w.direction }))
+                .map(move |(waypoint, w)| (Moment::At { path, waypoint }, Pose { tip: w.position, direction: w.axis }))
         };
         let asked: Vec<_> = (0..paths.len()).flat_map(each).collect();
         let deepest = || -> Vec<_> {

@@ -117,8 +117,8 @@ fn lines() -> Vec<ToolPath> {
         let side = if draw.random::<bool>() { 1.0 } else { -1.0 };
         let (x, y) = (35.0 + 30.0 * draw.random::<f64>(), 2.0 + (SIDE - 8.0) * draw.random::<f64>());
         let at = |arc: f64| Waypoint {
-            tip: Point3::new(side * x, y + arc, HEIGHT * (layer as f64 + 1.0)),
-            direction: Vector3::z_axis(),
+            position: Point3::new(side * x, y + arc, HEIGHT * (layer as f64 + 1.0)),
+            axis: Vector3::z_axis(),
             width: HEIGHT,
             height: HEIGHT,
             arc,
@@ -136,7 +136,7 @@ fn lines() -> Vec<ToolPath> {
 fn length(paths: &[ToolPath], travels: &Travels) -> f64 {
     let mut sum = 0.0;
     for (number, way) in travels.ways.iter().enumerate().skip(1) {
-        let ends = [paths[number - 1].waypoints.last(), paths[number].waypoints.first()].map(|w| w.map(|w| w.tip));
+        let ends = [paths[number - 1].waypoints.last(), paths[number].waypoints.first()].map(|w| w.map(|w| w.position));
         let tips: Vec<Point3<f64>> =
             ends[0].into_iter().chain(way.iter().map(|pose| pose.tip)).chain(ends[1]).collect();
         sum += tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
@@ -148,7 +148,7 @@ fn length(paths: &[ToolPath], travels: &Travels) -> f64 {
 fn over_the_top(paths: &[ToolPath], top: f64) -> f64 {
     let way = |pair: &[ToolPath]| {
         let [Some(from), Some(to)] = [pair[0].waypoints.last(), pair[1].waypoints.first()] else { return 0.0 };
-        (top - from.tip.z) + (top - to.tip.z) + (to.tip.xy() - from.tip.xy()).norm()
+        (top - from.position.z) + (top - to.position.z) + (to.position.xy() - from.position.xy()).norm()
     };
     paths.windows(2).map(way).sum()
 }

@@ -7,9 +7,10 @@
 use curvlay_examples::args::{self, Failure, Outcome};
 use curvlay_examples::motion::{
     OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of, programs, table_options,
+    workcell_model, workcell_of,
 };
 use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
-use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell, WorkcellModel};
 use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{LayerOptions, Platform, Workpiece};
@@ -33,8 +34,9 @@ fn main() -> ExitCode {
 fn mesh_to_robot() -> Result<Outcome, Failure> {
     let args: Vec<String> = env::args().skip(1).collect();
     let mesh = args.first().map_or_else(|| Ok(jug()), |file| read_mesh(file.as_ref()))?.oriented()?;
-    let cell = args.get(1).map(|file| input::read_text(file.as_ref(), input::MAX_SETTINGS_BYTES)).transpose()?;
-    let cell = AnyWorkcell::from_json(cell.as_deref().unwrap_or(UR3_CELL).as_bytes())?;
+    let given = args.get(1).map(Path::new);
+    let model = given.map_or_else(|| Ok(WorkcellModel::from_json(UR3_CELL.as_bytes())?), workcell_model)?;
+    let cell = workcell_of(model, given)?;
     let inputs = input::Inputs::new(args.iter().take(2).map(Path::new));
     let out = args.get(2).cloned().unwrap_or_else(|| "target/out/mesh_to_robot".to_owned());
 

@@ -16,8 +16,8 @@ pub struct Args {
     #[command(flatten)]
     pub orient: OrientArgs,
     /// Depth inside the hull from which a cell counts as shadowed, in cells, at most 16
-    #[arg(long, value_name = "CELLS", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
-    pub eps: f64,
+    #[arg(long = "eps", value_name = "CELLS", default_value_t = 1.0, value_parser = from_zero, allow_negative_numbers = true)]
+    pub eps_cells: f64,
     /// Only cells deeper than --eps count as shadowed, not those at exactly that depth
     #[arg(long)]
     pub beyond_eps: bool,

@@ -38,7 +38,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Run, Out
     let start = Instant::now();
     let part = args.mesh.load("jug (made in code)", jug)?;
     folder.clear(outputs::is_ours)?;
-    let rules = Rules { inside_depth_cells: args.eps, boundary_is_inside: !args.beyond_eps, ..Rules::default() };
+    let rules = Rules { inside_depth_cells: args.eps_cells, boundary_is_inside: !args.beyond_eps, ..Rules::default() };
     let options = args.orient.options(rules, args.platform_diameter_mm);
     let pool = ThreadPoolBuilder::new().num_threads(args.common.threads).build()?;
     let begin = Instant::now();

@@ -3,6 +3,7 @@
 use super::args::{Args, Run};
 use super::drawing;
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::orienting::{COMMENT, Search, laid};
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -111,7 +112,7 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
         .set("refine", orient.refine)?
         .set("least_tipping_deg", orient.min_tipping_deg)?
         .set("standing_first", orient.standing_first)?
-        .set("eps_cells", args.eps)?
+        .set("eps_cells", args.eps_cells)?
         .set("beyond_eps", args.beyond_eps)?
         .set("platform_diameter_mm", args.platform_diameter_mm)?
         .set("threads", args.common.threads)?
@@ -173,8 +174,12 @@ fn report(args: &Args, run: &Run) -> Report {
     let pictures: Vec<(String, Vec<u8>)> = shown(search)
         .iter()
         .map(|(rank, judged)| {
-            let caption =
-                format!("{rank}: {}, {} cells missed, {} layers", kind(judged), judged.missed_cells, judged.layers);
+            let caption = format!(
+                "{rank}: {}, {} missed, {}",
+                kind(judged),
+                counted(judged.missed_cells, "cell"),
+                counted(judged.layers, "layer")
+            );
             (caption, drawing::part(&run.part.mesh, judged, args.platform_diameter_mm))
         })
         .collect();

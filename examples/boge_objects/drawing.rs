@@ -2,6 +2,7 @@
 
 use super::growing::{Case, Run};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::render::layer_colour;
 use curvlay_hull::{ConvexHull2, Depth, Location2};
 use std::fmt::Write;
@@ -38,53 +39,51 @@ pub fn worked_example(case: &Case, run: &Run) -> Result<String, Failure> {
         let top = (at / COLUMNS) as f64 * (high + 2.0 * GAP) + GAP * 1.4;
         let corner = |[x, z]: [i32; 2]| [left + f64::from(x) * CELL, top + high - f64::from(z + 1) * CELL];
         let middle = |p: [i32; 2]| corner(p).map(|at| at + CELL / 2.0);
-        let mut square = |p: [i32; 2], colour: [u8; 3]| {
-            let [x, y] = corner(p);
-            let [r, g, b] = colour;
-            let _ = write!(
-                svg,
-                "\n<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#8a94a1\" stroke-width=\"0.5\"/>"
-            );
-        };
-        platform.iter().for_each(|&p| square(p, [150, 156, 164]));
-        grid.iter().for_each(|cell| square(place(cell), [255, 255, 255]));
+        platform.iter().for_each(|&p| square(&mut svg, corner(p), [150, 156, 164]));
+        grid.iter().for_each(|cell| square(&mut svg, corner(place(cell)), [255, 255, 255]));
         for (number, built) in layers.iter().enumerate().take(at + 1) {
             let colour = layer_colour(number as u32 + 1, layers.len() as u32);
-            built.iter().for_each(|&cell| square(place(cell), colour));
+            built.iter().for_each(|&cell| square(&mut svg, corner(place(cell)), colour));
         }
         let built: Vec<u32> = layers[..=at].iter().flat_map(|layer| layer.iter().copied()).collect();
-        let mut shadowed = 0;
-        for cell in grid.iter().filter(|cell| !built.contains(cell)) {
-            if hull.locate(place(cell)) == Location2::Outside {
-                continue;
-            }
-            shadowed += 1;
-            let ([x, y], arm) = (middle(place(cell)), CELL * 0.3);
-            let _ = write!(
-                svg,
-                "<path d=\"M{:.1} {:.1}l{} {}M{:.1} {:.1}l{} -{}\" stroke=\"#c62f22\" stroke-width=\"1.6\"/>",
-                x - arm,
-                y - arm,
-                2.0 * arm,
-                2.0 * arm,
-                x - arm,
-                y + arm,
-                2.0 * arm,
-                2.0 * arm
-            );
-        }
+        let is_shadowed = |cell: &u32| !built.contains(cell) && hull.locate(place(*cell)) != Location2::Outside;
+        let shadowed: Vec<u32> = grid.iter().filter(is_shadowed).collect();
+        shadowed.iter().for_each(|&cell| cross(&mut svg, middle(place(cell))));
         let outline: Vec<String> =
             hull.corners().iter().map(|&p| middle(p)).map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
         let _ = write!(
             svg,
             "<polygon points=\"{}\" fill=\"none\" stroke=\"#0b7a75\" stroke-width=\"1.5\" stroke-dasharray=\"4 2\"/>\
-             <text class=\"x\" x=\"{:.1}\" y=\"{:.1}\" style=\"font-size:9px\">layer {}: {} cells, {shadowed} in the hull</text>",
+             <text class=\"x\" x=\"{:.1}\" y=\"{:.1}\" style=\"font-size:9px\">layer {}: {}, {} in the hull</text>",
             outline.join(" "),
             left + wide / 2.0,
             top - 4.0,
             at + 1,
-            layer.len()
+            counted(layer.len(), "cell"),
+            shadowed.len()
         );
     }
     Ok(svg + "</svg>")
+}
+
+/// A cell with its upper left corner there.
+fn square(svg: &mut String, [x, y]: [f64; 2], [r, g, b]: [u8; 3]) {
+    let _ = write!(
+        svg,
+        "\n<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#8a94a1\" stroke-width=\"0.5\"/>"
+    );
+}
+
+/// A cross about a point.
+fn cross(svg: &mut String, [x, y]: [f64; 2]) {
+    let arm = CELL * 0.3;
+    let wide = 2.0 * arm;
+    let _ = write!(
+        svg,
+        "<path d=\"M{:.1} {:.1}l{wide} {wide}M{:.1} {:.1}l{wide} -{wide}\" stroke=\"#c62f22\" stroke-width=\"1.6\"/>",
+        x - arm,
+        y - arm,
+        x - arm,
+        y + arm
+    );
 }

@@ -7,6 +7,7 @@ use super::objects::PLATFORMS;
 use super::rating::Rating;
 use super::thesis::{HARDWARE, LAYERS, METHODS, MISSED, RATINGS, UNIFORM};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{LayeredCells, Plane, draw_cut};
 use curvlay_examples::report::Report;
@@ -278,35 +279,44 @@ fn report(results: &Results) -> Result<Report, Failure> {
             "Object 1 on the medium platform, layer by layer: the hull of the centres of all that is built and of the platform, and a cross for each cell that is not built and lies in \
              it: missed, since what lies in the hull is not built any more.",
         );
+    report_pictures(results, &mut report)?;
+    Ok(report)
+}
+
+/// The objects layer by layer: the worked example, slices, and what is built on each platform.
+fn report_pictures(results: &Results, report: &mut Report) -> Result<(), Failure> {
     if let Some(case) = results.cases.iter().find(|case| case.object == 0 && case.platform == 1) {
         for (method, run) in METHODS.iter().zip(&case.ways.theirs) {
             let (missed, layers) = (run.growth.missed.len(), run.growth.order.len());
-            report.drawing(&format!("{method}: {layers} layers, {missed} cells missed"), &worked_example(case, run)?);
+            report.drawing(
+                &format!("{method}: {}, {} missed", counted(layers, "layer"), counted(missed, "cell")),
+                &worked_example(case, run)?,
+            );
         }
     }
     report.heading("Curved layers and plane slicing (Figs. 6.2 to 6.6)");
     for object in 0..UNIFORM.len() {
-        sliced_beside_worst(&mut report, results, object)?;
+        sliced_beside_worst(report, results, object)?;
     }
     for (platform, name) in ["small", "medium", "large"].into_iter().enumerate() {
         report.heading(&format!("On the {name} platform, by the rules of the thesis"));
         for case in results.cases.iter().filter(|case| case.platform == platform) {
             let runs: Vec<_> =
                 METHODS.iter().zip(&case.ways.theirs).map(|(method, run)| (case, *method, run)).collect();
-            pictures(&mut report, &runs)?;
+            pictures(report, &runs)?;
         }
     }
     report.heading("Object 6 in cuts from front to back (Figs. 5.28 to 5.38)");
     for (platform, method) in [(1, 0), (2, 0), (2, 1)] {
         let of_six = results.cases.iter().find(|case| case.object == 5 && case.platform == platform);
         if let Some(case) = of_six {
-            cuts(&mut report, case, METHODS[method], &case.ways.theirs[method])?;
+            cuts(report, case, METHODS[method], &case.ways.theirs[method])?;
         }
     }
     report.heading("On the large platform, by our default rules");
     let runs: Vec<_> = on_large(results).map(|case| (case, STRATEGIES[4], &case.ways.ours[4])).collect();
-    pictures(&mut report, &runs)?;
-    Ok(report)
+    pictures(report, &runs)?;
+    Ok(())
 }
 
 fn on_large(results: &Results) -> impl Iterator<Item = &Case> {

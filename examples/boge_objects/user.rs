@@ -6,6 +6,7 @@ use super::outputs;
 use super::rating::Rating;
 use curvlay_examples::args::{Failure, Outcome, warn};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::input;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -107,7 +108,11 @@ impl Answer {
     fn finding(&self) -> String {
         let (missed, cells) = (self.best_run().growth.missed.len(), self.drawn.grid.count());
         let share = 100.0 * self.missed_share();
-        format!("{missed} of {cells} cells ({share:.2} %) are missed by {}, the best strategy", STRATEGIES[self.best])
+        format!(
+            "{}, the best strategy, misses {missed} of {} ({share:.2} %)",
+            STRATEGIES[self.best],
+            counted(cells, "cell")
+        )
     }
 
     pub fn outcome(&self) -> Outcome {

@@ -18,6 +18,7 @@ mod outputs;
 pub use args::{Args, Fit};
 use curvlay_examples::args::{Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::input;
 use curvlay_examples::motion::link_mesh;
@@ -142,14 +143,7 @@ fn calibrate(
         None
     } else {
         bars.update("tool", 0, 1);
-        let by_flange = measured.touches.iter().filter(|touch| matches!(touch, Touch::Flange(_))).count();
-        if by_flange > 0 && arm.is_some() {
-            let what =
-                "touches are given by the flange as the controller shows it, which does not know the arm as found";
-            findings
-                .explain(Severity::Warning, what, by_flange.to_string(), "")
-                .try_to("give these touches by their joints");
-        }
+        find_in_touches(&measured.touches, arm.is_some(), &mut findings);
         let flanges: Vec<Isometry3<f64>> = measured.touches.iter().map(|touch| touch.base_flange(&built)).collect();
         let tool = calibrate_tool(&flanges).map_err(|error| named(&error))?;
         // With the part in the hand a pin on the flange touches the nozzle, which stands still.
@@ -158,13 +152,29 @@ fn calibrate(
         find_in_tool(args, &tool, &mut findings);
         Some(tool)
     };
+    find_in_built(&built, &mut findings);
+    Ok(Run { model, measured, truth, arm, tool, old_tip, is_closed_form: built.is_closed_form(), findings })
+}
+
+/// Touches that do not know the arm as found.
+fn find_in_touches(touches: &[Touch], has_fit: bool, findings: &mut Findings) {
+    let by_flange = touches.iter().filter(|touch| matches!(touch, Touch::Flange(_))).count();
+    if by_flange > 0 && has_fit {
+        let what = "touches are given by the flange as the controller shows it, which does not know the arm as found";
+        findings
+            .explain(Severity::Warning, what, by_flange.to_string(), "")
+            .try_to("give these touches by their joints");
+    }
+}
+
+/// An arm whose targets a controller with nominal lengths does not reach.
+fn find_in_built(built: &Arm, findings: &mut Findings) {
     if !built.is_closed_form() && !built.is_ur() {
         findings
             .explain(Severity::Note, "programs with targets reach the measured places only on a controller that knows the arm as built", "", "")
             .cause("a controller with nominal lengths computes its joints from targets; ABB calls one that knows better Absolute Accuracy")
             .try_to("--fit lengths, and its lengths and offsets in the controller");
     }
-    Ok(Run { model, measured, truth, arm, tool, old_tip, is_closed_form: built.is_closed_form(), findings })
 }
 
 /// A fit to three quarters of the poses, at the others; none where so few do not determine it.
@@ -184,7 +194,7 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
         findings.add(
             Severity::Failed,
             "the fit of the arm did not converge",
-            format!("after {} iterations", fit.iterations),
+            format!("after {}", counted(fit.iterations, "iteration")),
             "",
         );
     }
@@ -225,6 +235,11 @@ fn find_in_arm(args: &Args, fit: &ArmFit, unseen: Option<&(usize, FitResiduals)>
             .explain(Severity::Warning, "poses are far off the others", outliers.join(", "), "residuals.csv")
             .try_to("measure them again, or leave them out");
     }
+    find_in_unseen(rms, unseen, findings);
+}
+
+/// How a fit to some of the poses meets the others.
+fn find_in_unseen(rms: f64, unseen: Option<&(usize, FitResiduals)>, findings: &mut Findings) {
     match unseen {
         Some((count, unseen)) if unseen.rms_mm() > OVERFITTED * rms => {
             let amount = format!("{:.3} mm at {count} of them, {rms:.3} mm at the others", unseen.rms_mm());

@@ -1,8 +1,10 @@
 //! What the example leaves behind: tables on stdout, `summary.json`, `workcell.json`, `residuals.csv`, `report.html`, and the measurements that were
 //! made in code.
 
+use super::demo::Truth;
 use super::{Args, FoundArm, Run};
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
 use curvlay_examples::report::Report;
@@ -10,7 +12,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::nalgebra::Point3;
 use curvlay_kinematics::workcell::{BodiesModel, Held};
-use curvlay_kinematics::{ArmDeviation, ArmParameter};
+use curvlay_kinematics::{ArmDeviation, ArmFit, ArmParameter, Calibration};
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
@@ -142,56 +144,68 @@ fn summary(args: &Args, run: &Run, time: Duration) -> Result<Summary, Failure> {
         .set("poses", run.measured.poses.len())?
         .set("touches", run.measured.touches.len())?
         .set("threads", args.common.threads)?;
-    if let Some(FoundArm { fit, unseen }) = &run.arm {
-        summary
-            .set("arm_before_mm", fit.before.rms_mm())?
-            .set("arm_after_mm", fit.after.rms_mm())?
-            .set("arm_after_max_mm", fit.after.max_mm())?
-            .set("iterations", fit.iterations)?
-            .set("converged", fit.is_converged)?
-            .set("closed_form", run.is_closed_form)?
-            .set("determined", fit.parameters.iter().filter(|found| found.is_determined).count())?
-            .set("parameters", fit.parameters.len())?
-            .set("open_directions", fit.open.len())?;
-        for (key, residuals) in [("before", &fit.before), ("after", &fit.after)] {
-            if let Some(angle) = residuals.rms_angle() {
-                summary.set(&format!("arm_{key}_deg"), angle.to_degrees())?;
-            }
-        }
-        if let Some((count, unseen)) = unseen {
-            summary.set("unseen_poses", *count)?.set("unseen_mm", unseen.rms_mm())?;
-        }
-        for found in &fit.parameters {
-            let key: String = found.parameter.to_string().replace(' ', "_");
-            let value = if found.parameter.is_angle() { found.value.to_degrees() } else { found.value };
-            let unit = if found.parameter.is_angle() { "deg" } else { "mm" };
-            summary.set(&format!("{key}_{unit}"), value)?;
-        }
-        let base = fit.world_base;
-        let (roll, pitch, yaw) = base.rotation.euler_angles();
-        let at = base.translation.vector;
-        for (key, value) in [("x", at.x), ("y", at.y), ("z", at.z)] {
-            summary.set(&format!("base_{key}_mm"), value)?;
-        }
-        for (key, value) in [("roll", roll), ("pitch", pitch), ("yaw", yaw)] {
-            summary.set(&format!("base_{key}_deg"), value.to_degrees())?;
-        }
+    if let Some(found) = &run.arm {
+        of_arm(found, run.is_closed_form, &mut summary)?;
     }
     if let Some(tool) = &run.tool {
-        summary.set("tool_rms_mm", tool.rms)?.set("tool_amplification", tool.amplification)?;
-        for (axis, value) in ["x", "y", "z"].into_iter().zip(run.model.nozzle.tip_mm) {
-            summary.set(&format!("tip_{axis}_mm"), value)?;
-        }
-        summary.set("tip_moved_mm", (Point3::from(run.model.nozzle.tip_mm) - run.old_tip).norm())?;
-        if let Some(truth) = &run.truth {
-            let put_in = truth.tip_by(run.arm.as_ref().map(|found| &found.fit));
-            let off = (Point3::from(run.model.nozzle.tip_mm) - put_in).norm();
-            summary.set("tip_off_truth_mm", off)?;
-        }
+        of_tool(tool, run, &mut summary)?;
     }
     run.findings.summary(&mut summary)?;
     summary.set_seconds("total_s", time)?;
     Ok(summary)
+}
+
+/// The arm as found: how well it meets the poses, its numbers, and its base.
+fn of_arm(FoundArm { fit, unseen }: &FoundArm, is_closed_form: bool, summary: &mut Summary) -> Result<(), Failure> {
+    summary
+        .set("arm_before_mm", fit.before.rms_mm())?
+        .set("arm_after_mm", fit.after.rms_mm())?
+        .set("arm_after_max_mm", fit.after.max_mm())?
+        .set("iterations", fit.iterations)?
+        .set("converged", fit.is_converged)?
+        .set("closed_form", is_closed_form)?
+        .set("determined", fit.parameters.iter().filter(|found| found.is_determined).count())?
+        .set("parameters", fit.parameters.len())?
+        .set("open_directions", fit.open.len())?;
+    for (key, residuals) in [("before", &fit.before), ("after", &fit.after)] {
+        if let Some(angle) = residuals.rms_angle() {
+            summary.set(&format!("arm_{key}_deg"), angle.to_degrees())?;
+        }
+    }
+    if let Some((count, unseen)) = unseen {
+        summary.set("unseen_poses", *count)?.set("unseen_mm", unseen.rms_mm())?;
+    }
+    for found in &fit.parameters {
+        let key: String = found.parameter.to_string().replace(' ', "_");
+        let value = if found.parameter.is_angle() { found.value.to_degrees() } else { found.value };
+        let unit = if found.parameter.is_angle() { "deg" } else { "mm" };
+        summary.set(&format!("{key}_{unit}"), value)?;
+    }
+    let base = fit.world_base;
+    let (roll, pitch, yaw) = base.rotation.euler_angles();
+    let at = base.translation.vector;
+    for (key, value) in [("x", at.x), ("y", at.y), ("z", at.z)] {
+        summary.set(&format!("base_{key}_mm"), value)?;
+    }
+    for (key, value) in [("roll", roll), ("pitch", pitch), ("yaw", yaw)] {
+        summary.set(&format!("base_{key}_deg"), value.to_degrees())?;
+    }
+    Ok(())
+}
+
+/// The tip of the tool as found.
+fn of_tool(tool: &Calibration, run: &Run, summary: &mut Summary) -> Result<(), Failure> {
+    summary.set("tool_rms_mm", tool.rms)?.set("tool_amplification", tool.amplification)?;
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(run.model.nozzle.tip_mm) {
+        summary.set(&format!("tip_{axis}_mm"), value)?;
+    }
+    summary.set("tip_moved_mm", (Point3::from(run.model.nozzle.tip_mm) - run.old_tip).norm())?;
+    if let Some(truth) = &run.truth {
+        let put_in = truth.tip_by(run.arm.as_ref().map(|found| &found.fit));
+        let off = (Point3::from(run.model.nozzle.tip_mm) - put_in).norm();
+        summary.set("tip_off_truth_mm", off)?;
+    }
+    Ok(())
 }
 
 fn report(args: &Args, run: &Run) -> Report {
@@ -200,73 +214,17 @@ fn report(args: &Args, run: &Run) -> Report {
     report.paragraph(&format!("Workcell: {}. The calibrated one is {WORKCELL}.", run.model.name));
     if run.truth.is_some() {
         report.paragraph(&format!(
-            "The measurements were made in code ({MEASUREMENTS}, a file such as yours would be): an arm with known errors, {} poses measured with \
-             noise of {} mm, {} touches by hand.",
-            run.measured.poses.len(),
+            "The measurements were made in code ({MEASUREMENTS}, a file such as yours would be): an arm with known errors, {} measured with \
+             noise of {} mm, and a point touched {} by hand.",
+            counted(run.measured.poses.len(), "pose"),
             args.noise_mm,
-            run.measured.touches.len()
+            counted(run.measured.touches.len(), "time")
         ));
     }
     let tables = tables(run);
     let mut tables = tables.iter();
     if let Some(FoundArm { fit, .. }) = &run.arm {
-        report.heading("The arm").paragraph(&format!(
-            "Gauss-Newton's method over {} poses, {} iterations: {} of {} numbers are determined. Before: the nominal arm, with base and target where they \
-             fit it best. {}",
-            run.measured.poses.len(),
-            fit.iterations,
-            fit.parameters.iter().filter(|found| found.is_determined).count(),
-            fit.parameters.len(),
-            if run.is_closed_form {
-                "The inverse of the arm as found is a closed form."
-            } else {
-                "The arm as found has no closed form: its inverse goes on from the nearest one by Newton's method, branch by branch."
-            }
-        ));
-        if let Some(table) = tables.next() {
-            report.table("", table);
-        }
-        let line = |residuals: &[f64]| -> Vec<[f64; 2]> {
-            residuals.iter().enumerate().map(|(k, off)| [k as f64 + 1.0, *off]).collect()
-        };
-        let mut plot = Plot::new("pose", "residual in mm, as a power of ten");
-        let powers = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, y]| [x, y.log10()]);
-        plot.line("nominal arm", [176, 60, 50], powers(line(&fit.before.positions_mm))).line(
-            "calibrated arm",
-            [11, 122, 117],
-            powers(line(&fit.after.positions_mm)),
-        );
-        report.plot("How far each measured target is from the computed one", &plot);
-        if let Some(table) = tables.next() {
-            match &run.truth {
-                Some(truth) => {
-                    let mut with = Table::new(["number of the arm", "found", "standard error", "put in"]);
-                    for found in &fit.parameters {
-                        let put_in = shown(&found.parameter, known(&found.parameter, &truth.deviation));
-                        with.row([
-                            found.parameter.to_string(),
-                            shown(&found.parameter, found.value),
-                            shown(&found.parameter, found.standard_error),
-                            put_in,
-                        ]);
-                    }
-                    report.table("", &with).paragraph(
-                        "Every axis was shifted and turned along all three coordinates. Those that are no numbers of their own come to the same as an \
-                         offset or a length beside them, which are found as the sum; so compare residuals, not single numbers.",
-                    );
-                }
-                None => {
-                    report.table("", table);
-                }
-            }
-        }
-        let (roll, pitch, yaw) = fit.world_base.rotation.euler_angles();
-        let at = fit.world_base.translation.vector;
-        report.paragraph(&format!(
-            "The base of the arm, as the device has it: {:.3}, {:.3}, {:.3} mm; roll {:.4}, pitch {:.4}, yaw {:.4} degrees. The offset of joint 1 is part of this, that of joint 6 of the \
-             target on the flange: poses cannot distinguish them.",
-            at.x, at.y, at.z, roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees()
-        ));
+        report_arm(fit, run, [tables.next(), tables.next()], &mut report);
     }
     if let Some(tool) = &run.tool {
         report.heading("The tool").paragraph(&format!(
@@ -281,4 +239,71 @@ fn report(args: &Args, run: &Run) -> Report {
         }
     }
     report
+}
+
+/// The arm: how it was found, its residuals, its numbers, its base.
+fn report_arm(fit: &ArmFit, run: &Run, [residuals, numbers]: [Option<&Table>; 2], report: &mut Report) {
+    report.heading("The arm").paragraph(&format!(
+            "Gauss-Newton's method over {}, {}: {} of {} numbers are determined. Before: the nominal arm, with base and target where they \
+             fit it best. {}",
+            counted(run.measured.poses.len(), "pose"),
+            counted(fit.iterations, "iteration"),
+            fit.parameters.iter().filter(|found| found.is_determined).count(),
+            fit.parameters.len(),
+            if run.is_closed_form {
+                "The inverse of the arm as found is a closed form."
+            } else {
+                "The arm as found has no closed form: its inverse goes on from the nearest one by Newton's method, branch by branch."
+            }
+        ));
+    if let Some(table) = residuals {
+        report.table("", table);
+    }
+    report.plot("How far each measured target is from the computed one", &residual_plot(fit));
+    if let Some(table) = numbers {
+        match &run.truth {
+                Some(truth) => report.table("", &beside_truth(fit, truth)).paragraph(
+                        "Every axis was shifted and turned along all three coordinates. Those that are no numbers of their own come to the same as an \
+                         offset or a length beside them, which are found as the sum; so compare residuals, not single numbers.",
+                    ),
+                None => report.table("", table),
+            };
+    }
+    let (roll, pitch, yaw) = fit.world_base.rotation.euler_angles();
+    let at = fit.world_base.translation.vector;
+    report.paragraph(&format!(
+            "The base of the arm, as the device has it: {:.3}, {:.3}, {:.3} mm; roll {:.4}, pitch {:.4}, yaw {:.4} degrees. The offset of joint 1 is part of this, that of joint 6 of the \
+             target on the flange: poses cannot distinguish them.",
+            at.x, at.y, at.z, roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees()
+        ));
+}
+
+/// How far the targets are from where the arm has them, before and after.
+fn residual_plot(fit: &ArmFit) -> Plot {
+    let line = |residuals: &[f64]| -> Vec<[f64; 2]> {
+        residuals.iter().enumerate().map(|(k, off)| [k as f64 + 1.0, *off]).collect()
+    };
+    let mut plot = Plot::new("pose", "residual in mm, as a power of ten");
+    let powers = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, y]| [x, y.log10()]);
+    plot.line("nominal arm", [176, 60, 50], powers(line(&fit.before.positions_mm))).line(
+        "calibrated arm",
+        [11, 122, 117],
+        powers(line(&fit.after.positions_mm)),
+    );
+    plot
+}
+
+/// The numbers of the arm beside those that were put in.
+fn beside_truth(fit: &ArmFit, truth: &Truth) -> Table {
+    let mut with = Table::new(["number of the arm", "found", "standard error", "put in"]);
+    for found in &fit.parameters {
+        let put_in = shown(&found.parameter, known(&found.parameter, &truth.deviation));
+        with.row([
+            found.parameter.to_string(),
+            shown(&found.parameter, found.value),
+            shown(&found.parameter, found.standard_error),
+            put_in,
+        ]);
+    }
+    with
 }

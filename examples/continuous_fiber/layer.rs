@@ -4,6 +4,7 @@ use super::specimens::Specimen;
 use super::{Args, Boxed, Pull, arcs, predict};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::input;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_examples::waypoints::fault;
@@ -380,7 +381,11 @@ fn user_load<'a>(args: &Args, part: &Part, solid: &'a Voxelisation) -> (Loaded<'
         let push = Pull { region: slab(top, f64::INFINITY), newtons: [DEFAULT_N, 0.0, 0.0] };
         (vec![base], vec![push], format!("base held, {DEFAULT_N} N along x on the top tenth of its height"))
     } else {
-        let source = format!("{} supports and {} loads as asked for", args.supports.len(), args.loads.len());
+        let source = format!(
+            "{} and {} as asked for",
+            counted(args.supports.len(), "support"),
+            counted(args.loads.len(), "load")
+        );
         (args.supports.clone(), args.loads.clone(), source)
     };
     loaded.supports = supports.into_iter().map(|region| Support::fixed(loaded.region(region))).collect();

@@ -7,6 +7,7 @@ use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_hea
 use super::tapes::Planned;
 use super::{Args, Run, drawing, part_outputs};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::{OutputFolder, is_numbered};
 use curvlay_examples::report::Report;
@@ -137,6 +138,26 @@ impl Pictures {
 fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     options(args, &mut summary)?;
+    of_specimens(run, &mut summary)?;
+    of_layer(run, &mut summary)?;
+    if let Some(moved) = &run.moved {
+        summary
+            .set("cell", moved.cell.clone())?
+            .set("motion_runs", moved.runs)?
+            .set("motion_faults", moved.faults.len())?
+            .set("motion_robot_s", moved.robot_s)?
+            .set("motion_deviation_mm", moved.max_deviation_mm)?
+            .set("motion_turn_deg", moved.max_turn.to_degrees())?
+            .set("roller_mount_deg", moved.mount.to_degrees())?
+            .set("program_files", moved.files.len())?;
+    }
+    run.findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+/// The specimens of the dissertation, ours and measured.
+fn of_specimens(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
     let (specimens, layer) = (&run.specimens, &run.layer);
     let arcs = &run.predictions.arcs;
     let covers: Vec<[f64; 3]> = specimens.iter().map(Planned::cover).collect();
@@ -180,21 +201,7 @@ fn summary(args: &Args, run: &Run, start: Instant) -> Result<Summary, Failure> {
     summary
         .set("arc_planar_layers", run.planar.layers)?
         .set("arc_planar_longest_tape_mm", run.planar.longest_tape_mm)?;
-    of_layer(run, &mut summary)?;
-    if let Some(moved) = &run.moved {
-        summary
-            .set("cell", moved.cell.clone())?
-            .set("motion_runs", moved.runs)?
-            .set("motion_faults", moved.faults.len())?
-            .set("motion_robot_s", moved.robot_s)?
-            .set("motion_deviation_mm", moved.max_deviation_mm)?
-            .set("motion_turn_deg", moved.max_turn.to_degrees())?
-            .set("roller_mount_deg", moved.mount.to_degrees())?
-            .set("program_files", moved.files.len())?;
-    }
-    run.findings.summary(&mut summary)?;
-    summary.set_seconds("total_s", start.elapsed())?;
-    Ok(summary)
+    Ok(())
 }
 
 fn of_layer(run: &Run, summary: &mut Summary) -> Result<(), Failure> {
@@ -246,7 +253,16 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
     if let Ok(mm) = deflection_mm(run.predictions.rigidity_nm2[1]) {
         report.paragraph(&format!("At 7.27 N and supports 200 mm apart the reinforced bar would bend by {mm:.2} mm."));
     }
-    let Predictions { arcs, bond_mpa, .. } = &run.predictions;
+    report_arcs(&run.predictions, &mut report);
+    report_layer(run, &mut report);
+    let shown: Vec<(&str, &[u8])> =
+        pictures.0.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
+    report.pictures(&shown);
+    report
+}
+
+/// The arc by the solver: tapes that follow it, and tapes in planar layers.
+fn report_arcs(Predictions { arcs, bond_mpa, .. }: &Predictions, report: &mut Report) {
     let gained = |test: &ArcTest| percent(test.stiffness_n_mm / arcs.curved.stiffness_n_mm - 1.0);
     report.paragraph(&format!(
         "The arc by the solver: tapes that follow it, {:.0} mm³ of them, make it {} stiffer; tapes in planar layers, {:.0} mm³ of them, {}. With bonds of {bond_mpa:.2} MPa \
@@ -260,6 +276,10 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
         bond_mpa * arcs.curved.apart_n_mpa,
         bond_mpa * arcs.curved_taped.apart_n_mpa
     ));
+}
+
+/// The layer under load, and the motions along the tapes of the arc.
+fn report_layer(run: &Run, report: &mut Report) {
     let layer = &run.layer;
     if let Some(mean) = layer.angle.mean {
         report.paragraph(&format!(
@@ -273,20 +293,16 @@ fn report(run: &Run, pictures: &Pictures) -> Report {
     }
     if let Some(moved) = &run.moved {
         report.paragraph(&format!(
-            "{}: {} motions for the {} tapes of the arc, {:.0} s, {} faults. On them the contact line is within {:.3} mm of the centre line, the \
+            "{}: {} for the {} of the arc, {:.0} s, {}. On them the contact line is within {:.3} mm of the centre line, the \
              roller within {:.2} degrees of it, mounted at {:.0} degrees. The body of the cell's nozzle stands for that of the roller.",
             moved.cell,
-            moved.runs,
-            moved.tapes,
+            counted(moved.runs, "motion"),
+            counted(moved.tapes, "tape"),
             moved.robot_s,
-            moved.faults.len(),
+            counted(moved.faults.len(), "fault"),
             moved.max_deviation_mm,
             moved.max_turn.to_degrees(),
             moved.mount.to_degrees()
         ));
     }
-    let shown: Vec<(&str, &[u8])> =
-        pictures.0.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
-    report.pictures(&shown);
-    report
 }

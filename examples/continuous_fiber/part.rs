@@ -15,7 +15,7 @@ use curvlay_examples::motion::nozzle_of;
 use curvlay_examples::nalgebra::Point3;
 use curvlay_toolpath::fiber::bedding::{Roller, TapeBedding, bedded_surface, tape_bedding};
 use curvlay_toolpath::fiber::conductor::ConductorOptions;
-use curvlay_toolpath::fiber::head::{LayerTapes, with_tapes};
+use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead, with_tapes};
 use curvlay_toolpath::fiber::sandwich::{SandwichLayer, SandwichOptions, sandwich, sandwich_on};
 use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::fill::{FillLayersError, FilledLayers, fill_layers};
@@ -191,41 +191,16 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
 
     let print = print.map(|print| raise_plan(print, &schedule, &options)).transpose()?;
     let head = args.head();
-    let moves = match &print {
-        Some(print) => {
-            with_tapes(marked_moves(&print.deposition.moves, &print.resolved.paths), &tapes, &head)?.collect()
-        }
-        None => tapes.iter().map(|list| head.moves(list)).collect::<Result<Vec<_>, _>>()?.concat(),
-    };
-    let roller = given.cell.equipment().model().roller.unwrap_or_default();
-    let bedding = print
-        .as_ref()
-        .map(|print| {
-            let roller = Roller { diameter: roller.diameter_mm, width: roller.width_mm };
-            tape_bedding(&print.resolved.paths, &tapes, height_mm, &roller, &SupportOptions::default(), &progress)
-        })
-        .transpose()?;
-    let reinforced = match stress.solved {
-        Some(_) => Some(layers.reinforced((args, part), &tapes, of_dissertation(args, bars)?, bars)?),
+    let moves = moves(print.as_ref(), &tapes, &head)?;
+    let bedding = match &print {
+        Some(print) => Some(bedding(print, &tapes, height_mm, given, &progress)?),
         None => None,
     };
-    let followed = match stress.of_cells().filter(|_| args.follow_load) {
-        Some(stresses) => Some(FollowedLoad::new(args, part, &layers, &stresses, bars)?),
-        None => None,
-    };
+    let (reinforced, followed) = of_load((args, part), &layers, &stress, &tapes, bars)?;
     let motion = match (&print, &filled) {
         (Some(print), Some(filled)) if args.stage >= Stage::Motion => {
-            let work = part_motion::Work {
-                layers: &layers,
-                surfaces: &surfaces,
-                filled,
-                print,
-                tapes: &tapes,
-                head: &head,
-                nozzle: &nozzle,
-                bead_mm,
-                bars,
-            };
+            let (layers, surfaces, tapes, head, nozzle) = (&layers, &surfaces[..], &tapes[..], &head, &nozzle);
+            let work = part_motion::Work { layers, surfaces, filled, print, tapes, head, nozzle, bead_mm, bars };
             Some(work.plan(&given.cell)?)
         }
         _ => None,
@@ -249,6 +224,46 @@ pub fn plan(args: &Args, part: &Part, given: &Given, bars: &Bars) -> Result<Part
         motion,
         plan_time,
     })
+}
+
+/// The moves of the machine file: beads with the tapes on their layers, or the tapes alone where there are no beads.
+fn moves(print: Option<&PrintPlan>, tapes: &[LayerTapes], head: &TapeHead) -> Result<Vec<Move>, Failure> {
+    Ok(match print {
+        Some(print) => with_tapes(marked_moves(&print.deposition.moves, &print.resolved.paths), tapes, head)?.collect(),
+        None => tapes.iter().map(|list| head.moves(list)).collect::<Result<Vec<_>, _>>()?.concat(),
+    })
+}
+
+/// What tapes lie on, under the roller of the workcell.
+fn bedding(
+    print: &PrintPlan,
+    tapes: &[LayerTapes],
+    height_mm: f64,
+    given: &Given,
+    progress: curvlay_toolpath::ProgressFn<'_>,
+) -> Result<TapeBedding, Failure> {
+    let roller = given.cell.equipment().model().roller.unwrap_or_default();
+    let roller = Roller { diameter: roller.diameter_mm, width: roller.width_mm };
+    Ok(tape_bedding(&print.resolved.paths, tapes, height_mm, &roller, &SupportOptions::default(), progress)?)
+}
+
+/// What tapes make of the part under its load, and layers that follow the load where the user asks for them.
+fn of_load(
+    (args, part): (&Args, &Part),
+    layers: &PartLayers,
+    stress: &PartStress,
+    tapes: &[LayerTapes],
+    bars: &Bars,
+) -> Result<(Option<Reinforced>, Option<FollowedLoad>), Failure> {
+    let reinforced = match stress.solved {
+        Some(_) => Some(layers.reinforced((args, part), tapes, of_dissertation(args, bars)?, bars)?),
+        None => None,
+    };
+    let followed = match stress.of_cells().filter(|_| args.follow_load) {
+        Some(stresses) => Some(FollowedLoad::new(args, part, layers, &stresses, bars)?),
+        None => None,
+    };
+    Ok((reinforced, followed))
 }
 
 /// The share of the fibre that bears, and what bonds bear in MPa: as the user says, or as the tests of the dissertation give it.

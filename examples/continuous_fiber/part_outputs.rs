@@ -8,6 +8,7 @@ use super::part_read_back::MAX_OFF_MM;
 use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_header, tape_lines};
 use super::{ANGLE_DEG, Args, WORST_COVERED};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::motion::read_back::MAX_FILAMENT_SHARE;
 use curvlay_examples::motion::shown;
@@ -47,7 +48,7 @@ pub fn find(args: &Args, run: &PartRun, findings: &mut Findings) {
     let growth = &run.layers.layered.growth;
     if !growth.missed.is_empty() {
         let share = run.layers.layered.surfaces.missed_mm3 / run.layers.volume_mm3;
-        let amount = format!("{} cells, {} of the volume", growth.missed.len(), percent(share));
+        let amount = format!("{}, {} of the volume", counted(growth.missed.len(), "cell"), percent(share));
         findings
             .explain(Severity::Warning, "cells of the part are in no layer", amount, "")
             .try_to("curved_layers, which finds an order and support for such parts");
@@ -63,7 +64,7 @@ pub fn find(args: &Args, run: &PartRun, findings: &mut Findings) {
         let count = print.resolved.left_out.len();
         if count > 0 {
             let left: f64 = print.resolved.left_out.iter().map(|piece| piece.arcs[1] - piece.arcs[0]).sum();
-            let amount = format!("{count} pieces, {left:.0} mm");
+            let amount = format!("{}, {left:.0} mm", counted(count, "piece"));
             findings.add(
                 Severity::Warning,
                 "beads are left out: the nozzle would collide with printed material",
@@ -95,10 +96,10 @@ fn find_tapes(run: &PartRun, findings: &mut Findings) {
     });
     if let Some(least) = least {
         let amount = format!(
-            "{} of it at least, on {} of {} layers",
+            "{} of it at least, on {} of {}",
             percent(least.loaded.angle.covered_fraction),
             bare.len(),
-            run.taped.len()
+            counted(run.taped.len(), "layer")
         );
         let what =
             format!("less than {} of the worst-stressed tenth of a layer lies under a tape", percent(WORST_COVERED));
@@ -200,7 +201,7 @@ fn find_motion(motion: &PartMotion, findings: &mut Findings) {
             true => format!("tape {} of layer {}, point {}", fault.path + 1, fault.layer + 1, fault.waypoint),
             false => format!("path {}, point {}", fault.path + 1, fault.waypoint),
         });
-        let amount = format!("{left_out}{} places{first}", list.len());
+        let amount = format!("{left_out}{}{first}", counted(list.len(), "place"));
         findings
             .explain(Severity::Failed, what, amount, place)
             .try_to("a workcell with more room, another --up, or smaller `roller` bodies");
@@ -289,6 +290,33 @@ pub fn table(run: &PartRun) -> Table {
 fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> Result<Summary, Failure> {
     let mut summary = Summary::new();
     options(args, &mut summary)?;
+    of_tapes(args, run, &mut summary)?;
+    of_stresses(run, &mut summary)?;
+    summary.set_seconds("plan_s", run.plan_time)?;
+    if let Some(print) = &run.print {
+        summary
+            .set("paths", print.resolved.paths.len())?
+            .set("bead_length_mm", print.deposition.bead_mm)?
+            .set("left_out_pieces", print.resolved.left_out.len())?
+            .set("print_s", print.deposition.total_s)?;
+    }
+    if let Some(bedding) = &run.bedding {
+        summary
+            .set("tape_on_nothing_share", bedding.on_nothing_share())?
+            .set("tape_uncovered_share", bedding.uncovered_share())?
+            .set("roller_depth_mm", bedding.roller_depth.map_or(0.0, |deepest| deepest.mm))?
+            .set("unsupported_share", bedding.bead_on_nothing_share())?;
+    }
+    if let Some(motion) = &run.motion {
+        of_motion(motion, &mut summary)?;
+    }
+    findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+/// Layers, tapes and wires; of shares the least of all layers, of what should be small the largest.
+fn of_tapes(args: &Args, run: &PartRun, summary: &mut Summary) -> Result<(), Failure> {
     let (tapes, tape_mm) = run.of_roller();
     let least = |of: fn(&TapedLayer) -> f64| run.taped.iter().map(of).fold(1.0, f64::min);
     summary
@@ -318,6 +346,11 @@ fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> R
     if let Some(most) = angles.into_iter().reduce(f64::max) {
         summary.set("angle_to_principal_deg", most.to_degrees())?;
     }
+    Ok(())
+}
+
+/// The stresses, and what comes of them: layers that follow the load, and how stiff and strong the tapes make the part.
+fn of_stresses(run: &PartRun, summary: &mut Summary) -> Result<(), Failure> {
     if let Some(solved) = &run.solved {
         summary
             .set("elastic_cells", solved.cells)?
@@ -345,27 +378,7 @@ fn summary(args: &Args, run: &PartRun, findings: &Findings, start: Instant) -> R
             }
         }
     }
-    summary.set_seconds("plan_s", run.plan_time)?;
-    if let Some(print) = &run.print {
-        summary
-            .set("paths", print.resolved.paths.len())?
-            .set("bead_length_mm", print.deposition.bead_mm)?
-            .set("left_out_pieces", print.resolved.left_out.len())?
-            .set("print_s", print.deposition.total_s)?;
-    }
-    if let Some(bedding) = &run.bedding {
-        summary
-            .set("tape_on_nothing_share", bedding.on_nothing_share())?
-            .set("tape_uncovered_share", bedding.uncovered_share())?
-            .set("roller_depth_mm", bedding.roller_depth.map_or(0.0, |deepest| deepest.mm))?
-            .set("unsupported_share", bedding.bead_on_nothing_share())?;
-    }
-    if let Some(motion) = &run.motion {
-        of_motion(motion, &mut summary)?;
-    }
-    findings.summary(&mut summary)?;
-    summary.set_seconds("total_s", start.elapsed())?;
-    Ok(summary)
+    Ok(())
 }
 
 fn of_motion(motion: &PartMotion, summary: &mut Summary) -> Result<(), Failure> {
@@ -394,15 +407,41 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
     findings.report(&mut report);
     let (tapes, tape_mm) = run.of_roller();
     report.paragraph(&format!(
-        "{}: {} layers of {:.2} mm in beads of {:.2} mm, with {tapes} tapes, {tape_mm:.0} mm of them, on layers {}. Stresses: {}.",
+        "{}: {} of {:.2} mm in beads of {:.2} mm, with {}, {tape_mm:.0} mm in all, on layers {}. Stresses: {}.",
         run.name,
-        run.schedule.len(),
+        counted(run.schedule.len(), "layer"),
         run.height_mm(),
         run.bead_mm,
+        counted(tapes, "tape"),
         layers(&run.taped),
         run.source
     ));
     report.table("Layers with tapes; bedded is the share of the layer that has beads below and above", &table(run));
+    report_stresses(run, &mut report);
+    if let Some(bedding) = &run.bedding {
+        report.paragraph(&format!(
+            "Of {:.0} mm² of tape {} are unsupported, and {} are uncovered, by a check of strands as wide as a layer is high among the beads as they \
+             are deposited. The roller is at most {:.3} mm deep in the beads below.",
+            bedding.tape_mm2,
+            percent(bedding.on_nothing_share()),
+            percent(bedding.uncovered_share()),
+            bedding.roller_depth.map_or(0.0, |deepest| deepest.mm)
+        ));
+    }
+    if let Some(motion) = &run.motion {
+        report_motion(motion, &mut report);
+    }
+    let shown: Vec<(&str, &[u8])> =
+        pictures.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
+    report.pictures(&shown);
+    if let Some(model) = model(run) {
+        report.viewer(&model);
+    }
+    report
+}
+
+/// How stiff and strong the tapes make the part, and how layers follow the load.
+fn report_stresses(run: &PartRun, report: &mut Report) {
     if let Some(reinforced) = &run.reinforced {
         report.paragraph(&format!(
             "With its tapes, of whose fibre {} bears, the part is {} stiffer against this load than without. Bonds of {:.2} MPa in peel and in shear come apart at {:.2} times \
@@ -419,45 +458,31 @@ fn report(run: &PartRun, findings: &Findings, pictures: &[(String, String, Vec<u
         let [missed, missed_by_guided] = followed.missed;
         report.paragraph(&format!(
             "Where the part is worst stressed, in a tenth of its cells, directed layers lean by {directed:.1} degrees from the largest stress; along growth.csv by {guided:.1} (curved_layers \
-             --directions growth.csv). Without support these orders miss {missed} and {missed_by_guided} cells.",
+             --directions growth.csv). Without support these orders miss {missed} and {}.",
+            counted(missed_by_guided, "cell")
         ));
     }
-    if let Some(bedding) = &run.bedding {
-        report.paragraph(&format!(
-            "Of {:.0} mm² of tape {} are unsupported, and {} are uncovered, by a check of strands as wide as a layer is high among the beads as they \
-             are deposited. The roller is at most {:.3} mm deep in the beads below.",
-            bedding.tape_mm2,
-            percent(bedding.on_nothing_share()),
-            percent(bedding.uncovered_share()),
-            bedding.roller_depth.map_or(0.0, |deepest| deepest.mm)
-        ));
-    }
-    if let Some(motion) = &run.motion {
-        let read = &motion.read;
-        report.paragraph(&format!(
-            "{}: {} motions along beads and {} along tapes, {:.0} s besides waits; the head changes {} times, at home. The roller is mounted at {:.0} degrees and \
-             turned away from a tape by {:.2} degrees at most. Read again, the program lays {} beads and {} tapes, with {} cuts; while the roller presses it is \
+}
+
+/// The motion of arm and head, and what the program does, read again.
+fn report_motion(motion: &PartMotion, report: &mut Report) {
+    let read = &motion.read;
+    report.paragraph(&format!(
+            "{}: {} along beads and {} along tapes, {:.0} s besides waits; the head changes {}, at home. The roller is mounted at {:.0} degrees and \
+             turned away from a tape by {:.2} degrees at most. Read again, the program lays {} and {}, with {}; while the roller presses it is \
              within {:.3} mm of the planned tapes.",
             motion.cell,
-            motion.runs[0],
+            counted(motion.runs[0], "motion"),
             motion.runs[1],
             motion.robot_s,
-            motion.changes,
+            counted(motion.changes, "time"),
             motion.mount.to_degrees(),
             motion.max_turn.to_degrees(),
-            read.laid[0],
-            read.laid[1],
-            read.cuts,
+            counted(read.laid[0], "bead"),
+            counted(read.laid[1], "tape"),
+            counted(read.cuts, "cut"),
             read.tape_off_mm
         ));
-    }
-    let shown: Vec<(&str, &[u8])> =
-        pictures.iter().map(|(_, caption, png)| (caption.as_str(), png.as_slice())).collect();
-    report.pictures(&shown);
-    if let Some(model) = model(run) {
-        report.viewer(&model);
-    }
-    report
 }
 
 /// The build for the viewer: as the robot does it, or as the machine file says.

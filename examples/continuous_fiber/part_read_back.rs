@@ -4,6 +4,7 @@
 use super::motion::TapeMotion;
 use super::part_programs::{Item, Written};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::motion::read_back::ReadBack;
 use curvlay_examples::nalgebra::{Point3, Vector3};
 use curvlay_kinematics::print_program::StreamOptions;
@@ -86,78 +87,109 @@ impl Written<'_> {
             }
         }
         if read.laid[0] != self.beads.runs.len() {
-            read.wrong.push(format!("{} beads are laid instead of {}", read.laid[0], self.beads.runs.len()));
+            read.wrong.push(format!("{} laid instead of {}", counted(read.laid[0], "bead"), self.beads.runs.len()));
         }
         Ok(read)
     }
 
     /// The tapes of a layer in a program: heat before pressure, one cut each, in order and where they were planned.
-    fn read_tapes(&self, steps: &[Step], taped: &TapeMotion, mut runs: Range<usize>, read: &mut ReadAgain) {
-        let mut wrong = |what: &str| read.wrong.push(what.to_owned());
-        let (mut is_ready, mut is_hot, mut presses, mut cuts) = (false, self.head.celsius <= 0.0, false, 0);
-        let mut line: Vec<Point3<f64>> = Vec::new();
-        let mut off_mm: f64 = 0.0;
-        let mut laid = 0;
+    fn read_tapes(&self, steps: &[Step], taped: &TapeMotion, runs: Range<usize>, read: &mut ReadAgain) {
         // Signals of a stream come as late as the arm is behind it.
         let StreamOptions { rate, lag_s, .. } = StreamOptions::of_workcell(self.cell.equipment());
-        let lag = (lag_s.max(0.0) / rate.seconds()).round() as usize;
-        let mut behind: VecDeque<[f64; 6]> = VecDeque::new();
+        let mut roller = RollerRead {
+            taped,
+            runs,
+            lag: (lag_s.max(0.0) / rate.seconds()).round() as usize,
+            behind: VecDeque::new(),
+            is_ready: false,
+            is_hot: self.head.celsius <= 0.0,
+            presses: false,
+            cuts: 0,
+            line: Vec::new(),
+            off_mm: 0.0,
+            laid: 0,
+        };
         for step in steps {
-            let joints = match step {
-                Step::Wait(HeadInput::ToolReady) => {
-                    is_ready = true;
-                    None
-                }
-                Step::Wait(HeadInput::Hot) => {
-                    is_hot = true;
-                    None
-                }
-                Step::Signal { signal: HeadSignal::Press, on } => {
-                    if *on {
-                        if !(is_ready && is_hot) {
-                            wrong("the roller presses before it is in place and hot");
-                        }
-                        laid += 1;
-                        cuts = 0;
-                        match runs.next() {
-                            Some(run) => line = taped.placed[taped.plan.runs[run].path].line().collect(),
-                            None => wrong("a tape is laid that was not planned"),
-                        }
-                    } else if cuts != 1 {
-                        wrong("a tape is not cut once");
-                    }
-                    presses = *on;
-                    None
-                }
-                Step::Signal { signal: HeadSignal::Cut, on: true } => {
-                    cuts += 1;
-                    read.cuts += 1;
-                    None
-                }
-                Step::Extruder(true) => {
-                    wrong("the extruder is on under the roller");
-                    None
-                }
-                Step::Servo { joints, .. } => {
-                    behind.push_back(*joints);
-                    if behind.len() > lag { behind.pop_front() } else { None }
-                }
-                Step::Move(Move { goal: Goal::Line(target), .. }) if presses => {
-                    off_mm = off_mm.max(apart(&Point3::from(target.pose.translation.vector), &line));
-                    None
-                }
-                _ => None,
-            };
-            let tip = joints.filter(|_| presses).and_then(|joints| taped.cell.nozzle_on_part(&joints));
-            if let Some(tip) = tip {
-                off_mm = off_mm.max(apart(&Point3::from(tip.translation.vector), &line));
+            roller.pass(step, read);
+        }
+        if roller.runs.next().is_some() {
+            read.wrong.push("planned tapes are not in the program".to_owned());
+        }
+        read.laid[1] += roller.laid;
+        read.tape_off_mm = read.tape_off_mm.max(roller.off_mm);
+    }
+}
+
+/// The roller along the steps of a program.
+struct RollerRead<'a> {
+    taped: &'a TapeMotion,
+    /// Runs whose tapes are not laid yet.
+    runs: Range<usize>,
+    /// By how many ticks the arm is behind a stream, and the joints that it has not reached.
+    lag: usize,
+    behind: VecDeque<[f64; 6]>,
+    is_ready: bool,
+    is_hot: bool,
+    presses: bool,
+    /// Cuts of the tape that is laid.
+    cuts: usize,
+    /// The planned line of that tape, and how far the roller was from lines at most.
+    line: Vec<Point3<f64>>,
+    off_mm: f64,
+    laid: usize,
+}
+
+impl RollerRead<'_> {
+    /// Goes on by a step.
+    fn pass(&mut self, step: &Step, read: &mut ReadAgain) {
+        match step {
+            Step::Wait(HeadInput::ToolReady) => self.is_ready = true,
+            Step::Wait(HeadInput::Hot) => self.is_hot = true,
+            Step::Signal { signal: HeadSignal::Press, on } => self.press(*on, read),
+            Step::Signal { signal: HeadSignal::Cut, on: true } => {
+                self.cuts += 1;
+                read.cuts += 1;
             }
+            Step::Extruder(true) => read.wrong.push("the extruder is on under the roller".to_owned()),
+            Step::Servo { joints, .. } => {
+                self.behind.push_back(*joints);
+                let reached = if self.behind.len() > self.lag { self.behind.pop_front() } else { None };
+                let tip = reached.filter(|_| self.presses).and_then(|joints| self.taped.cell.nozzle_on_part(&joints));
+                if let Some(tip) = tip {
+                    self.is_at(&Point3::from(tip.translation.vector));
+                }
+            }
+            Step::Move(Move { goal: Goal::Line(target), .. }) if self.presses => {
+                self.is_at(&Point3::from(target.pose.translation.vector));
+            }
+            _ => {}
         }
-        if runs.next().is_some() {
-            wrong("planned tapes are not in the program");
+    }
+
+    /// The contact line of the roller is there while it presses.
+    fn is_at(&mut self, tip: &Point3<f64>) {
+        self.off_mm = self.off_mm.max(apart(tip, &self.line));
+    }
+
+    /// The roller goes down on a tape, which must be in place and hot, or up from one, which must be cut once.
+    fn press(&mut self, on: bool, read: &mut ReadAgain) {
+        let mut wrong = |what: &str| read.wrong.push(what.to_owned());
+        self.presses = on;
+        if !on {
+            if self.cuts != 1 {
+                wrong("a tape is not cut once");
+            }
+            return;
         }
-        read.laid[1] += laid;
-        read.tape_off_mm = read.tape_off_mm.max(off_mm);
+        if !(self.is_ready && self.is_hot) {
+            wrong("the roller presses before it is in place and hot");
+        }
+        self.laid += 1;
+        self.cuts = 0;
+        match self.runs.next() {
+            Some(run) => self.line = self.taped.placed[self.taped.plan.runs[run].path].line().collect(),
+            None => wrong("a tape is laid that was not planned"),
+        }
     }
 }
 

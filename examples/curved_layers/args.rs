@@ -7,6 +7,7 @@ use clap::{Command, CommandFactory, Parser, ValueEnum};
 use curvlay_examples::args::{AllowArgs, Common, Failure, GrowArgs, MeshArgs, VoxelArgs, above_zero, from_zero};
 use curvlay_examples::orienting::OrientArgs;
 use curvlay_examples::settings::{self, Settings};
+use curvlay_toolpath::gcode::flavour::Flavour;
 use curvlay_toolpath::path::Pattern;
 use std::path::PathBuf;
 
@@ -47,6 +48,9 @@ pub struct Args {
     pub stage: Stage,
     #[command(flatten)]
     pub settings: Settings,
+    /// The flavour that the settings ask for.
+    #[arg(skip)]
+    pub loaded_flavour: Option<Flavour>,
     /// How each layer is filled
     #[arg(long, default_value = "spirals", help_heading = settings::LAYERS)]
     pub pattern: Fill,

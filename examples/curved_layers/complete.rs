@@ -18,30 +18,30 @@ pub struct CompleteArgs {
     #[arg(long, value_enum, conflicts_with = "resume")]
     pub nozzle_growth: Option<NozzleGrowth>,
     /// How far that nozzle may lean, in degrees: above 0, up to 90
-    #[arg(long, value_name = "DEGREES", default_value_t = 90.0, value_parser = tilt, allow_negative_numbers = true)]
-    pub max_tilt: f64,
+    #[arg(long = "max-tilt", value_name = "DEGREES", default_value_t = 90.0, value_parser = tilt, allow_negative_numbers = true)]
+    pub max_tilt_deg: f64,
     /// How far directed layers lean from level at most, in degrees: 0 up to less than 90 [default: 6 degrees less than the cone of the nozzle leaves
     /// of a right angle, 39 at least]
     #[arg(long = "max-layer-tilt", value_name = "DEGREES", value_parser = layer_tilt, allow_negative_numbers = true, conflicts_with = "resume")]
     pub max_layer_tilt_deg: Option<f64>,
     /// Radius of the balls that stand for cells that are built, in cells: 0.5 is a bead as wide as a cell
-    #[arg(long, value_name = "CELLS", default_value_t = 0.5, value_parser = margin, allow_negative_numbers = true)]
-    pub nozzle_margin: f64,
+    #[arg(long = "nozzle-margin", value_name = "CELLS", default_value_t = 0.5, value_parser = margin, allow_negative_numbers = true)]
+    pub nozzle_margin_cells: f64,
     /// Support for cells that are missed all the same, and for unsupported beads [default: auto; none with a --strategy other than best]
     #[arg(long, value_enum, conflicts_with = "resume")]
     pub support: Option<Support>,
     /// Width of the columns of support, in cells
-    #[arg(long, value_name = "CELLS", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
-    pub support_width: u32,
+    #[arg(long = "support-width", value_name = "CELLS", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
+    pub support_width_cells: u32,
     /// And where they touch the part, in cells: narrower, so that they break off
-    #[arg(long, value_name = "CELLS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
-    pub support_contact: u32,
+    #[arg(long = "support-contact", value_name = "CELLS", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(SupportOptions::MAX_WIDTH)))]
+    pub support_contact_cells: u32,
     /// Levels of cells that stay empty between support and part; cells over such a gap count as supported, beads over it do not
-    #[arg(long, value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=i64::from(SupportOptions::MAX_WIDTH)))]
-    pub support_gap: u32,
+    #[arg(long = "support-gap", value_name = "CELLS", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=i64::from(SupportOptions::MAX_WIDTH)))]
+    pub support_gap_cells: u32,
     /// Share of the inside of support that is filled
-    #[arg(long, value_name = "PERCENT", default_value_t = 25.0, value_parser = percent, allow_negative_numbers = true)]
-    pub support_density: f64,
+    #[arg(long = "support-density", value_name = "PERCENT", default_value_t = 25.0, value_parser = percent, allow_negative_numbers = true)]
+    pub support_density_percent: f64,
 }
 
 /// By what the order is found.
@@ -118,8 +118,8 @@ impl CompleteArgs {
             half_angle,
             cone_height_mm,
             block_mm,
-            max_tilt: self.max_tilt.to_radians(),
-            margin: self.nozzle_margin,
+            max_tilt: self.max_tilt_deg.to_radians(),
+            margin: self.nozzle_margin_cells,
         };
         let nozzle = match growth {
             NozzleGrowth::Off => NozzleUse::Off,
@@ -127,7 +127,7 @@ impl CompleteArgs {
             NozzleGrowth::FromStart => NozzleUse::FromStart,
         };
         let layers_by = layers_by.into();
-        let (width, contact, gap) = (self.support_width, self.support_contact, self.support_gap);
+        let (width, contact, gap) = (self.support_width_cells, self.support_contact_cells, self.support_gap_cells);
         let columns = SupportOptions { width, contact, gap, ..SupportOptions::default() };
         let directed = DirectedOptions { max_tilt: self.max_layer_tilt_deg.map(f64::to_radians) };
         let support = (support == Support::Auto).then_some(columns);
@@ -136,7 +136,7 @@ impl CompleteArgs {
 
     /// Says what does not go together.
     pub fn check(self) -> Result<(), String> {
-        let CompleteArgs { support_width: width, support_contact: contact, .. } = self;
+        let CompleteArgs { support_width_cells: width, support_contact_cells: contact, .. } = self;
         if contact > width {
             return Err(format!("--support-contact {contact} is above --support-width {width}"));
         }

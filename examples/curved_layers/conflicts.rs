@@ -26,7 +26,7 @@ const EXCEPTIONS: [(&str, Stage); 11] = [
     ("compare", Stage::Surfaces),
     ("statistics", Stage::Paths),
     ("merge", Stage::Paths),
-    ("support_density", Stage::Paths),
+    ("support_density_percent", Stage::Paths),
     ("workcell", Stage::Gcode),
     ("allow_unprinted", Stage::Motion),
 ];

@@ -10,7 +10,7 @@ use crate::job::Posed;
 use crate::ranges::LayerFill;
 use crate::surfaces::{SurfaceOptions, SurfacesRun};
 use clap::ArgMatches;
-use curvlay_examples::args::{Failure, GrowArgs, Part, typed_name};
+use curvlay_examples::args::{Failure, GrowArgs, Part, is_typed, typed_name};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::orienting::{laid, search};
@@ -20,6 +20,7 @@ use curvlay_layers::curved::orient::PoseKind;
 use curvlay_layers::curved::surface::{SavedField, mesh_stamp};
 use curvlay_layers::curved::{LayerOptions, Rules};
 use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::gcode::WriteError;
 use curvlay_toolpath::gouging::Nozzle;
 use curvlay_toolpath::path::PathOptions;
 use curvlay_toolpath::plan::PrintOptions;
@@ -56,11 +57,27 @@ impl Args {
         if !self.motion.cell8 && self.motion.workcell.is_none() {
             self.motion.workcell = self.settings.workcell.take();
         }
-        self.settings.check_templates().map_err(|error| match &self.profile {
+        self.loaded_flavour = self.settings.load_flavour()?;
+        self.check_machine_file(matches)?;
+        Ok(self)
+    }
+
+    /// What would be wrong with the machine file however the part looks.
+    fn check_machine_file(&self, matches: &ArgMatches) -> Result<(), Failure> {
+        let of_profile = |error: WriteError| match &self.profile {
             Some(path) => failure(format!("{}: {error}", path.display())),
             None => failure(error),
-        })?;
-        Ok(self)
+        };
+        let Some(flavour) = &self.loaded_flavour else {
+            return self.settings.check_templates().map_err(of_profile);
+        };
+        let is_ignored = |id: &str| is_typed(matches, id) && (id == "dialect" || !self.rotary);
+        if let Some(id) = ["dialect", "extrusion", "line_numbers"].into_iter().find(|id| is_ignored(id)) {
+            let (option, name) = (id.replace('_', "-"), &flavour.name);
+            let why = format!("--{option} does nothing in the flavour `{name}`, which says it itself: change its JSON");
+            return Err(Failure::of_arguments(why));
+        }
+        self.settings.check_flavour(flavour).map_err(of_profile)
     }
 
     /// The files that it reads.
@@ -163,19 +180,19 @@ impl Args {
     }
 
     pub fn field_options(&self, layers_by: LayersBy, nozzle: &Nozzle) -> FieldOptions {
-        let GrowArgs { eps_cells: eps, beyond_eps, .. } = self.grow;
+        let GrowArgs { eps_cells, beyond_eps, .. } = self.grow;
         let (resolution, strategy, height_mm) = (self.voxel.resolution(), self.grow.strategy(), self.height());
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
         let layers = LayerOptions { strategy, height_mm, ..complete };
-        FieldOptions { resolution, eps, beyond_eps, platform_diameter_mm, layers }
+        FieldOptions { resolution, eps_cells, beyond_eps, platform_diameter_mm, layers }
     }
 
     /// Turns the part into its best pose.
     pub fn lay(&self, part: &mut Part, bars: &Bars) -> Result<Posed, Failure> {
         let start = Instant::now();
-        let GrowArgs { eps_cells: eps, beyond_eps, .. } = self.grow;
-        let rules = Rules { inside_depth_cells: eps, boundary_is_inside: !beyond_eps, ..Rules::default() };
+        let GrowArgs { eps_cells, beyond_eps, .. } = self.grow;
+        let rules = Rules { inside_depth_cells: eps_cells, boundary_is_inside: !beyond_eps, ..Rules::default() };
         let options = self.posing.options(rules, self.platform_diameter_mm());
         let search = search(&part.mesh, &self.posing, &options, bars)?;
         let best = search.best().pose;
@@ -220,7 +237,7 @@ impl Args {
 
     /// How the layers are filled, and their support if there is any.
     pub fn fill(&self, part: PathOptions, surfaces: &SurfacesRun) -> LayerFill {
-        let density = self.complete.support_density / 100.0;
+        let density = self.complete.support_density_percent / 100.0;
         LayerFill { part, support: surfaces.support.as_ref().map(|_| part.for_support(density)) }
     }
 

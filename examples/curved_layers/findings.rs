@@ -10,9 +10,11 @@ use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use Severity::{Failed, Note, Warning};
 use curvlay_examples::args::AllowArgs;
+use curvlay_examples::count::{counted, grouped};
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{self, MissedReason, NoSupport};
+use curvlay_toolpath::gcode::flavour::{Direction, Flavour};
 use curvlay_toolpath::gouging::NozzlePart;
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{FaultKind, PrintPlan};
@@ -31,6 +33,9 @@ const NOTABLE_DELAY: f64 = 0.05;
 /// Share of the time of printing at the limit of turning above which a finding is reported: from half on it rules the print.
 const NOTABLE_TURNING: f64 = 0.5;
 
+/// Lean of the nozzle, in radians, above which a machine file without directions is reported: by a degree a tip of 1 mm is off by 0.02 mm.
+const NOTABLE_LEAN: f64 = 1.0 * std::f64::consts::PI / 180.0;
+
 /// Adds what is wrong with a stage that has ended; the first two end together.
 pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     let Results { field, surfaces, paths, machine, motion, findings, .. } = results;
@@ -44,6 +49,7 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
         Stage::Paths => paths.iter().for_each(|run| of_paths(run, findings)),
         Stage::Gcode => machine.iter().zip(paths.iter()).for_each(|(run, paths)| {
             of_machine(field, paths, run, args, findings);
+            of_flavour(run, args, findings);
             of_feed(run, findings);
             of_support((paths.bead_mm, borders_mm()), run, args, findings);
         }),
@@ -63,7 +69,13 @@ const NOTABLE_BURIED: f64 = 1e-4;
 
 /// Of the mesh, the cells and their order.
 fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
-    let (diameter_mm, allow) = (args.platform_diameter_mm(), &args.allow);
+    of_mesh(run, findings);
+    of_standing(run, args, findings);
+    of_order(run, args, findings);
+}
+
+/// Of the mesh and its cells.
+fn of_mesh(run: &FieldRun, findings: &mut Findings) {
     let (report, cell_mm) = (&run.solid.report, run.solid.grid.cell_mm());
     if !run.mesh.is_sound() {
         // The first line says how large it is.
@@ -84,7 +96,8 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         findings.add(Note, what, format!("{:.0} mm3", run.part_mm3), "a smaller --cell gives a better one");
     }
     if report.leak_faces > 0 {
-        let amount = format!("{} cells near them were decided one by one by winding number", report.cells_asked_singly);
+        let amount =
+            format!("{} near them decided one by one by winding number", counted(report.cells_asked_singly, "cell"));
         findings.add(Warning, "the mesh has holes wider than a cell", amount, "");
     }
     if report.inside_out {
@@ -98,6 +111,11 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         let place = format!("{thinnest:.3} mm near x {:.2}, y {:.2}, z {:.2} of the mesh", at.x, at.y, at.z);
         findings.add(Warning, what, format!("{} of the surface", percent(run.thin.share)), place);
     }
+}
+
+/// Of what the part stands on: a platform, a mould, support.
+fn of_standing(run: &FieldRun, args: &Args, findings: &mut Findings) {
+    let (diameter_mm, cell_mm) = (args.platform_diameter_mm(), run.solid.grid.cell_mm());
     let taken_mm = run.platform_diameter_mm();
     if taken_mm > diameter_mm + cell_mm {
         let what = format!("the part does not fit on a platform of {diameter_mm} mm");
@@ -124,8 +142,13 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         let amount = format!("{:.1} mm3, to be broken off{below}", run.support_mm3());
         findings.add(Warning, "the part stands on support", amount, "--support");
     }
+}
+
+/// Of the order: what it misses, and what its checks say.
+fn of_order(run: &FieldRun, args: &Args, findings: &mut Findings) {
     if !run.growth.nozzle.is_empty() {
-        let amount = format!("{} of {} cells", run.growth.nozzle.len(), run.growth.order.cells().len());
+        let amount =
+            format!("{} of {}", grouped(run.growth.nozzle.len()), counted(run.growth.order.cells().len(), "cell"));
         let what = "cells were checked for this nozzle, not by the hull rule: a larger one may not reach them";
         // An order by distance is meant for the nozzle that prints.
         let is_by_hulls = run.layers_by.is_none_or(|layers_by| layers_by == curved::LayersBy::Hull);
@@ -142,7 +165,7 @@ fn of_field(run: &FieldRun, args: &Args, findings: &mut Findings) {
         let amount = format!("{} of its volume, {}", percent(share), missed_in_words(run));
         let place = "field.csv, cell_layer 0; impossible.csv";
         let finding = findings.explain(
-            Severity::above(share, allow.allow_missed),
+            Severity::above(share, args.allow.allow_missed),
             "a part of the solid is not built",
             amount,
             place,
@@ -169,13 +192,13 @@ fn missed_in_words(run: &FieldRun) -> String {
     let proven: BTreeSet<u32> = run.impossible.iter().map(|impossible| impossible.cell).collect();
     let impossible = missed.iter().filter(|missed| proven.contains(&missed.cell)).count();
     format!(
-        "{} of {} cells at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of the part built so far{reach}, {} without \
-         support; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {} cells, of which \
+        "{} of {} at x {x}, y {y}, z {z} of the mesh: {inside} inside the hull of the part built so far{reach}, {} without \
+         support; by the hull rule {impossible} of them are proven impossible in any order; that rule alone misses {}, of which \
          {} are proven impossible in any order, {} are undecided",
         missed.len(),
-        grid.count(),
+        counted(grid.count(), "cell"),
         missed.len() - inside - out_of_reach,
-        run.missed_by_hull.len(),
+        counted(run.missed_by_hull.len(), "cell"),
         run.impossible.len(),
         run.undecided()
     )
@@ -228,7 +251,7 @@ fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
     }
     let left = run.clipped.left;
     if left.crossing > 0 {
-        let amount = format!("at {} of {} edges", left.crossing, left.edges);
+        let amount = format!("at {} of {}", grouped(left.crossing), counted(left.edges, "edge"));
         findings.add(Warning, "surfaces pass through each other where clipping cannot cut them", amount, "layers.vtk");
     }
     if run.spacing.squeezed_share > NOTABLE_SHARE {
@@ -246,9 +269,9 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
     if unfillable > NOTABLE_SHARE {
         let what = format!("no bead of {:.3} mm fits into a part of the layers", run.bead_mm);
         let amount = format!(
-            "{} of their area; {} pieces of {:.1} mm3 get none at all",
+            "{} of their area; {} of {:.1} mm3 without any bead",
             percent(unfillable),
-            too_thin.parts,
+            counted(too_thin.parts, "piece"),
             too_thin.volume_mm3
         );
         findings.add(Warning, what, amount, "--bead");
@@ -259,18 +282,29 @@ fn of_paths(run: &PathsRun, findings: &mut Findings) {
         findings.add(Note, "skins bridge what is sparse below them", amount, "--skin, --density");
     }
     if totals.self_crossings > 0 {
-        findings.add(Warning, "paths cross each other", format!("{} times", totals.self_crossings), "paths.obj");
+        findings.add(Warning, "paths cross each other", counted(totals.self_crossings, "time"), "paths.obj");
     }
 }
 
 /// Of the machine file.
 fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Findings) {
-    let allow = &args.allow;
+    of_gouging(paths, run, args, findings);
+    of_left_out(run, args, findings);
+    of_turns(run, findings);
+    if !run.travels.blocked.is_empty() {
+        let amount = run.travels.blocked.len().to_string();
+        findings.add(Failed, "travels collide with printed material", amount, "blocked_travels.csv");
+    }
+    of_volume(field, paths, run, args, findings);
+}
+
+/// Of the nozzle in the part: where it stays, and where it is raised out of it.
+fn of_gouging(paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Findings) {
     let (left, waypoints) = (run.resolved.left.len(), run.waypoints());
     if left > 0 {
         let share = run.gouging_share();
-        let amount = format!("at {} of {} waypoints, {}", grouped(left), grouped(waypoints), percent(share));
-        let severity = Severity::above(share, allow.allow_gouging);
+        let amount = format!("at {} of {}, {}", grouped(left), counted(waypoints, "waypoint"), percent(share));
+        let severity = Severity::above(share, args.allow.allow_gouging);
         let finding =
             findings.explain(severity, "the nozzle collides with the part or the plate", amount, "gouging.csv");
         let by_tip = run.resolved.left.iter().filter(|gouge| gouge.part == NozzlePart::Tip).count();
@@ -286,15 +320,20 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
         finding.allow(accept("--allow-gouging", share));
     }
     if run.resolved.lifted > 0 {
-        let amount = format!("at {} waypoints, by {:.2} mm at most", run.resolved.lifted, run.resolved.max_lift);
+        let amount =
+            format!("at {}, by {:.2} mm at most", counted(run.resolved.lifted, "waypoint"), run.resolved.max_lift);
         findings.add(Note, "the nozzle is raised a little where it would collide with printed material", amount, "");
     }
+}
+
+/// Of the paths that are left out, since the nozzle does not get there.
+fn of_left_out(run: &MachineRun, args: &Args, findings: &mut Findings) {
     let ([laid, left_out], pieces) = (run.lengths_mm(), run.resolved.left_out.len());
     if left_out > 0.0 {
         let share = run.left_out_share();
         let with_gaps = if pieces > 0 && run.resolved.gaps > 0.0 { ", gaps at sharp turns included" } else { "" };
         let amount = format!("{left_out:.1} of {:.1} mm, {}{with_gaps}", laid + left_out, percent(share));
-        let severity = Severity::above(share, allow.allow_left_out);
+        let severity = Severity::above(share, args.allow.allow_left_out);
         let what = match pieces {
             0 => "gaps in the paths, at turns that are too sharp for the nozzle".to_owned(),
             _ => format!("{} skipped: out of the nozzle's reach", counted(pieces, "path segment")),
@@ -306,6 +345,10 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
             .try_to(another_pose(args))
             .allow(accept("--allow-left-out", share));
     }
+}
+
+/// Of turns that are sharper than the nozzle may turn.
+fn of_turns(run: &MachineRun, findings: &mut Findings) {
     let turns = run.resolved.cut_turns.iter().map(|turn| turn.angle.to_degrees());
     if let Some(largest) = turns.reduce(f64::max) {
         let gaps = run.resolved.gaps;
@@ -320,16 +363,16 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
         let what = "the nozzle turns more sharply than --max-turn allows, and goes slowly: a cut would leave a gap in the bead";
         findings.add(Warning, what, amount, "turns.csv");
     }
-    if !run.travels.blocked.is_empty() {
-        let amount = run.travels.blocked.len().to_string();
-        findings.add(Failed, "travels collide with printed material", amount, "blocked_travels.csv");
-    }
+}
+
+/// Of the deposited volume.
+fn of_volume(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Findings) {
     // With its support, which is laid as well; what sparse infill leaves empty is not to be laid.
     let (laid, missed) = (run.deposition.extruded_mm3, field.missed_mm3);
     let (part, off) = (to_lay_mm3(field, paths), run.volume_off(field, paths));
     let [filled, rest] = run.filled_shares(field, paths);
     if off > NOTABLE_VOLUME {
-        let severity = Severity::above(off, allow.allow_volume);
+        let severity = Severity::above(off, args.allow.allow_volume);
         // These cells follow one by one, so their layers are torn into pieces that take no bead.
         let by_nozzle = field.growth.nozzle.len() as f64 / field.growth.order.cells().len() as f64;
         let (_, support) = args.complete.with_strategy(args.grow.strategy().is_none());
@@ -359,19 +402,22 @@ fn of_machine(field: &FieldRun, paths: &PathsRun, run: &MachineRun, args: &Args,
     }
 }
 
-/// A number with its thousands apart, such as `95,905`.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let comma = |(at, digit): (usize, char)| {
-        let before = (at > 0 && (digits.len() - at).is_multiple_of(3)).then_some(',');
-        before.into_iter().chain([digit])
-    };
-    digits.chars().enumerate().flat_map(comma).collect()
-}
-
-/// `1 piece`, `2 pieces`.
-pub fn counted(number: usize, what: &str) -> String {
-    format!("{} {what}{}", grouped(number), if number == 1 { "" } else { "s" })
+/// Of the flavour of the machine file: whether the machine stands upright where the plan leans.
+fn of_flavour(run: &MachineRun, args: &Args, findings: &mut Findings) {
+    let leaves_out = |flavour: &&Flavour| matches!(flavour.direction, Direction::Upright | Direction::Comment);
+    let Some(flavour) = args.loaded_flavour.as_ref().filter(leaves_out) else { return };
+    let axes = run.resolved.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| waypoint.axis.z);
+    let lean = axes.fold(1.0, f64::min).clamp(-1.0, 1.0).acos();
+    if lean > NOTABLE_LEAN {
+        let what = format!(
+            "the machine file leaves the direction of the nozzle out, as the flavour `{}` has none",
+            flavour.name
+        );
+        let amount = format!("by up to {:.0} degrees", lean.to_degrees());
+        let finding = findings.explain(Warning, what, amount, "toolpath.gcode");
+        finding.cause("collisions were checked with the planned directions, and the machine stands upright");
+        finding.try_to("a flavour that takes directions, such as --flavour siemens or heidenhain, or --rotary");
+    }
 }
 
 /// Of the feed: most of the time held by the limit of turning.
@@ -439,6 +485,14 @@ fn of_support((bead_mm, borders_mm): (f64, f64), run: &MachineRun, args: &Args, 
 /// Of the bodies of the arm: what "proven free" is proven for.
 fn of_bodies<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>, findings: &mut Findings) {
     let equipment = run.cell.equipment();
+    if equipment.model().is_assumed() {
+        let what = "the workcell around the arm is assumed: nozzle, plate and stand are not yours; `check_cell ARM --write FILE` makes a file to put your \
+                    numbers in";
+        findings.add(Warning, what, equipment.name(), "--workcell");
+    }
+    if let Some((arm, note)) = equipment.catalogue_arm().and_then(|arm| Some((arm, arm.note?))) {
+        findings.add(Note, note, arm.title, "arm.geometry of the workcell");
+    }
     let Some(bodies) = equipment.link_bodies().filter(|_| !run.without_links) else {
         let what = "the arm was planned without bodies: no motion is proven free of collisions";
         return findings.add(Warning, what, "", "--no-links");
@@ -473,6 +527,33 @@ fn of_plan<const N: usize, const F: usize>(
 ) {
     let unprinted = checked.map_or(1.0, |checked| checked.unprinted_mm / checked.path_mm.max(f64::MIN_POSITIVE));
     let severity = if allowed > 0.0 { Severity::above(unprinted, allowed) } else { Failed };
+    of_faults(plan, severity, unprinted, findings);
+    of_slow_motions(plan, findings);
+    let Some(checked) = checked else { return };
+    let report = &checked.report;
+    for class in FindingClass::ALL.into_iter().filter(|class| report.count(*class) > 0) {
+        let programs = if class.is_unsafe() { "; they are in no program" } else { "" };
+        let what = format!("motions are {}{programs}", class.name());
+        let amount = format!("{} of {}", report.count(class), report.print.motions);
+        findings.add(Failed, what, amount, "motion-check.csv");
+    }
+    if checked.unprinted_mm > 0.0 {
+        let (mm, all) = (checked.unprinted_mm, checked.path_mm);
+        let amount =
+            format!("{mm:.1} of {all:.1} mm, {}; beads above them, if any, are unsupported", percent(unprinted));
+        findings
+            .explain(severity, "paths are not printed", amount, "left_out.csv, motion-faults.csv")
+            .allow(accept("--allow-unprinted", unprinted));
+    }
+}
+
+/// Of what the robot cannot print, by kinds.
+fn of_faults<const N: usize, const F: usize>(
+    plan: &PrintPlan<N, F>,
+    severity: Severity,
+    unprinted: f64,
+    findings: &mut Findings,
+) {
     let elsewhere = "nozzle and part elsewhere in the --workcell: `reach` finds where the arm reaches most";
     let kinds = [
         (FaultKind::Unreachable, "waypoints are out of the robot's reach and not printed", elsewhere),
@@ -492,6 +573,10 @@ fn of_plan<const N: usize, const F: usize>(
         let finding = findings.explain(severity, what, plan.count(kind).to_string(), "motion-faults.csv");
         finding.try_to(advice).allow(accept("--allow-unprinted", unprinted));
     }
+}
+
+/// Of motions that are slower than planned, or than they could be.
+fn of_slow_motions<const N: usize, const F: usize>(plan: &PrintPlan<N, F>, findings: &mut Findings) {
     if plan.printing_s > (1.0 + NOTABLE_DELAY) * plan.planned_s {
         let [printing, planned] = [plan.printing_s, plan.planned_s].map(|seconds| seconds / 60.0);
         let amount = format!(
@@ -508,21 +593,5 @@ fn of_plan<const N: usize, const F: usize>(
     if plan.slow_runs > 0 {
         let what = "motions may be slower than their limits allow: the search for the fastest timing stopped early";
         findings.add(Warning, what, format!("{} of {}", plan.slow_runs, plan.runs.len()), "summary.json");
-    }
-    let Some(checked) = checked else { return };
-    let report = &checked.report;
-    for class in FindingClass::ALL.into_iter().filter(|class| report.count(*class) > 0) {
-        let programs = if class.is_unsafe() { "; they are in no program" } else { "" };
-        let what = format!("motions are {}{programs}", class.name());
-        let amount = format!("{} of {}", report.count(class), report.print.motions);
-        findings.add(Failed, what, amount, "motion-check.csv");
-    }
-    if checked.unprinted_mm > 0.0 {
-        let (mm, all) = (checked.unprinted_mm, checked.path_mm);
-        let amount =
-            format!("{mm:.1} of {all:.1} mm, {}; beads above them, if any, are unsupported", percent(unprinted));
-        findings
-            .explain(severity, "paths are not printed", amount, "left_out.csv, motion-faults.csv")
-            .allow(accept("--allow-unprinted", unprinted));
     }
 }

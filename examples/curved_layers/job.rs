@@ -16,7 +16,7 @@ use curvlay_examples::findings::Findings;
 use curvlay_examples::motion::nozzle_of;
 use curvlay_examples::orienting::Search;
 use curvlay_examples::output::OutputFolder;
-use curvlay_examples::settings::NOZZLE;
+use curvlay_examples::settings::default_nozzle;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_toolpath::gouging::Nozzle;
 use std::time::Duration;
@@ -36,7 +36,8 @@ pub struct Setup {
 
 impl Setup {
     pub fn of(args: &Args) -> Result<Self, Failure> {
-        let nozzle = args.settings.nozzle.or(if args.motion.workcell.is_none() { Some(NOZZLE) } else { None });
+        let nozzle =
+            args.settings.nozzle.or(if args.motion.workcell.is_none() { Some(default_nozzle()) } else { None });
         let cell = args.motion.cell(nozzle)?;
         if args.stage == Stage::Motion {
             args.motion.check_links(&cell)?;

@@ -5,6 +5,7 @@ use super::robot::{EVEN, NAME, Printed, on_platform};
 use super::saved::{Plan, PlanKind};
 use super::{Args, input, pictures};
 use curvlay_examples::args::{Failure, Outcome, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity, percent};
 use curvlay_examples::output::{OutputError, OutputFolder};
 use curvlay_examples::report::Report;
@@ -125,7 +126,7 @@ fn findings(args: &Args, planned: &Planned, printed: &Printed) -> Findings {
         findings.add(Severity::Warning, "gaps keep contours open", amount, format!("--join {join}"));
     }
     if planned.duplicates + planned.zero_length > 0 {
-        let amount = format!("{} duplicates, {} of no length", planned.duplicates, planned.zero_length);
+        let amount = format!("{}, {} of no length", counted(planned.duplicates, "duplicate"), planned.zero_length);
         findings.add(Severity::Warning, "pieces are removed", amount, "");
     }
     let overlaps = &planned.overlaps;
@@ -160,7 +161,7 @@ fn program_findings(args: &Args, printed: &Printed, findings: &mut Findings) {
         findings.add(Severity::Failed, "more strokes are not printed", (print.faults.len() - 5).to_string(), "");
     }
     for (pair, count) in &printed.touching {
-        let amount = format!("{count} of {} waypoints that were looked at", printed.checked);
+        let amount = format!("{count} of the {} looked at", counted(printed.checked, "waypoint"));
         findings.add(Severity::Failed, format!("{pair} touch"), amount, "");
     }
     if printed.blocked_travels > 0 {
@@ -168,7 +169,7 @@ fn program_findings(args: &Args, printed: &Printed, findings: &mut Findings) {
         findings.add(Severity::Failed, "ways between strokes are not free", amount, "");
     }
     if !printed.read_back() {
-        let amount = format!("{:.1e} mm at {} targets", printed.round_trip_mm, printed.targets_read);
+        let amount = format!("{:.1e} mm at {}", printed.round_trip_mm, counted(printed.targets_read, "target"));
         findings.add(Severity::Failed, "the program read back is not the plan", amount, "");
     }
     let run = &printed.run;
@@ -179,7 +180,7 @@ fn program_findings(args: &Args, printed: &Printed, findings: &mut Findings) {
         findings.add(Severity::Failed, "the nozzle does not go evenly", amount, "--step");
     }
     if run.lost + printed.off_course > 0 {
-        let amount = format!("{} moves, {} strokes", run.lost, printed.off_course);
+        let amount = format!("{}, {}", counted(run.lost, "move"), counted(printed.off_course, "stroke"));
         findings.add(Severity::Failed, "straight moves of the program lead to other joints than planned", amount, "");
     }
     if run.joint_speed > 1.0 {

@@ -17,39 +17,63 @@ const DOME: Rgb = [222, 224, 228];
 /// Points nearer than this are left out of pictures, as a share of the width of the design.
 const DETAIL: f64 = 0.002;
 
+/// The pictures, as [`NAMES`] has them.
 pub fn draw(planned: &Planned) -> Vec<Vec<u8>> {
     let reach =
         planned.contours.iter().flat_map(|contour| &contour.points).map(|at| at.coords.norm()).fold(1.0, f64::max);
-    let fine = 0.0015 * reach;
-    let kinds = [true, false];
-    let mut pictures = Vec::new();
+    let scenes = [
+        input(planned, reach),
+        contours(planned, reach),
+        regions(planned, reach),
+        fill(planned, reach),
+        on_surface(planned, reach),
+        distorted(planned),
+    ];
+    scenes.iter().map(png).collect()
+}
 
+/// Half the width of a thin line: pictures show the whole design.
+fn fine(reach: f64) -> f64 {
+    0.0015 * reach
+}
+
+/// The lines of the file, each in a colour of its own.
+fn input(planned: &Planned, reach: f64) -> Scene {
     let mut scene = flat();
     for (k, piece) in planned.pieces.iter().enumerate() {
-        line(&mut scene, &piece.points, piece.closed, fine * 1.5, layer_colour(k as u32 % 12 + 1, 12), reach);
+        line(&mut scene, &piece.points, piece.closed, fine(reach) * 1.5, layer_colour(k as u32 % 12 + 1, 12), reach);
     }
-    pictures.push(png(&scene));
+    scene
+}
 
+/// The lines joined: open ones stand out, on top.
+fn contours(planned: &Planned, reach: f64) -> Scene {
     let mut scene = flat();
-    for closed in kinds {
+    for closed in [true, false] {
         for contour in planned.contours.iter().filter(|contour| contour.closed == closed) {
-            line(&mut scene, &contour.points, closed, fine * 1.5, if closed { INK } else { OPEN }, reach);
+            line(&mut scene, &contour.points, closed, fine(reach) * 1.5, if closed { INK } else { OPEN }, reach);
         }
     }
-    pictures.push(png(&scene));
+    scene
+}
 
+/// The regions without overlaps, and open contours.
+fn regions(planned: &Planned, reach: f64) -> Scene {
     let mut scene = flat();
     for (k, region) in planned.overlaps.regions.iter().enumerate() {
         let colour = layer_colour(k as u32 % 12 + 1, 12);
         for ring in region.rings() {
-            line(&mut scene, ring, true, fine * 2.0, colour, reach);
+            line(&mut scene, ring, true, fine(reach) * 2.0, colour, reach);
         }
     }
     for contour in &planned.overlaps.open {
-        line(&mut scene, &contour.points, false, fine * 1.5, OPEN, reach);
+        line(&mut scene, &contour.points, false, fine(reach) * 1.5, OPEN, reach);
     }
-    pictures.push(png(&scene));
+    scene
+}
 
+/// The beads in the plane, with a mark where each begins.
+fn fill(planned: &Planned, reach: f64) -> Scene {
     let mut scene = flat();
     for (k, stroke) in planned.filled.strokes.iter().enumerate() {
         let colour = if stroke.kind == StrokeKind::Open { OPEN } else { ramp((k % 7) as f64 / 7.0) };
@@ -57,11 +81,15 @@ pub fn draw(planned: &Planned) -> Vec<Vec<u8>> {
         line(&mut scene, &stroke.points, stroke.closed, 0.42 * stroke.width, colour, reach);
         if let Some(at) = stroke.points.first() {
             let at = Point3::new(at.x, at.y, stroke.width);
-            scene.bar(at - Vector3::x() * fine * 3.0, at + Vector3::x() * fine * 3.0, fine * 3.0, INK);
+            let mark = fine(reach) * 3.0;
+            scene.bar(at - Vector3::x() * mark, at + Vector3::x() * mark, mark, INK);
         }
     }
-    pictures.push(png(&scene));
+    scene
+}
 
+/// The beads on the surface.
+fn on_surface(planned: &Planned, reach: f64) -> Scene {
     let mut scene = Scene::new(Camera::from_direction(Vector3::new(0.55, -1.0, 0.75)));
     surface(&mut scene, planned, |_| DOME);
     for (k, on_surface) in planned.strokes.iter().enumerate() {
@@ -78,15 +106,17 @@ pub fn draw(planned: &Planned) -> Vec<Vec<u8>> {
             last = Some(here);
         }
     }
-    pictures.push(png(&scene));
+    scene
+}
 
+/// How the projection distorts, as a share of the most.
+fn distorted(planned: &Planned) -> Scene {
     let mut scene = flat();
     let most = planned.distortion.largest.max(1e-9);
     surface(&mut scene, planned, |at| {
         ramp((distortion(&planned.carrier, planned.projection, &[at]).largest / most).min(1.0))
     });
-    pictures.push(png(&scene));
-    pictures
+    scene
 }
 
 fn flat() -> Scene {

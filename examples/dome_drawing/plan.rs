@@ -266,6 +266,40 @@ fn no_bead(args: &Args, drawing: &Drawing, size_mm: [f64; 2], scale: f64) -> Str
     format!("no bead of {} mm fits into it: the design is {width:.2} by {height:.2} mm{unit}", args.bead_mm)
 }
 
+/// A design that is joined, and placed about the pole at its size.
+struct Placed {
+    /// The lines as they are in the file, in the same place: for the picture of the input.
+    pieces: Vec<Contour>,
+    contours: Vec<Contour>,
+    duplicates: usize,
+    zero_length: usize,
+    gaps: Vec<Gap>,
+    /// Of the design in its file.
+    size_mm: [f64; 2],
+    scale: f64,
+}
+
+/// Joins the lines of a design and places it.
+fn placed(args: &Args, pieces: &[Contour]) -> Result<Placed, String> {
+    let joined = join(pieces, args.join_mm).map_err(|error| error.to_string())?;
+    let mut contours = joined.contours;
+    let mut gaps = gaps(&contours, WIDEST_GAP_MM).map_err(|error| error.to_string())?;
+    // Ends that meet where three lines do are no gap.
+    gaps.retain(|gap| gap.width > args.join_mm);
+    let size_mm = size(&contours);
+    let centre = args.centre_mm.map_or(Centre::Box, |at| Centre::At(Point2::from(at)));
+    let middle = centre_of(&contours, centre).ok_or("all its lines have no length")?;
+    let scale = place(&mut contours, centre, args.diameter_mm).map_err(|error| error.to_string())?;
+    let moved = |contour: &Contour| Contour {
+        points: contour.points.iter().map(|at| Point2::from((at - middle) * scale)).collect(),
+        ..*contour
+    };
+    let pieces = pieces.iter().map(moved).collect();
+    order(&mut contours);
+    let (duplicates, zero_length) = (joined.duplicates, joined.zero_length);
+    Ok(Placed { pieces, contours, duplicates, zero_length, gaps, size_mm, scale })
+}
+
 /// All stages up to strokes on the surface.
 pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     bars.update("read", 0, 5);
@@ -276,22 +310,8 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     let pieces = drawing.contours(|layer| wanted(args, layer), Flatten::default()).map_err(|error| here(&error))?;
 
     bars.update("join", 1, 5);
-    let joined = join(&pieces, args.join_mm).map_err(|error| here(&error))?;
-    let mut contours = joined.contours;
-    let mut gaps = gaps(&contours, WIDEST_GAP_MM).map_err(|error| here(&error))?;
-    // Ends that meet where three lines do are no gap.
-    gaps.retain(|gap| gap.width > args.join_mm);
-    let size_mm = size(&contours);
-    let centre = args.centre_mm.map_or(Centre::Box, |at| Centre::At(Point2::from(at)));
-    let middle = centre_of(&contours, centre).ok_or_else(|| here(&"all its lines have no length"))?;
-    let scale = place(&mut contours, centre, args.diameter_mm).map_err(|error| here(&error))?;
-    // For the picture of the input: in the same place.
-    let moved = |contour: &Contour| Contour {
-        points: contour.points.iter().map(|at| Point2::from((at - middle) * scale)).collect(),
-        ..*contour
-    };
-    let pieces: Vec<Contour> = pieces.iter().map(moved).collect();
-    order(&mut contours);
+    let Placed { pieces, contours, duplicates, zero_length, gaps, size_mm, scale } =
+        placed(args, &pieces).map_err(|what| here(&what))?;
     check_points(args, &contours, size_mm, scale).map_err(|what| here(&what))?;
 
     bars.update("fill", 2, 5);
@@ -305,37 +325,14 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
     let on_printed = start_strokes(&mut filled.strokes);
 
     bars.update("project", 3, 5);
-    let projection = match args.projection {
-        ProjectionKind::Vertical => Projection::Vertical,
-        ProjectionKind::Point => Projection::FromPoint { height: -args.setup.pole_height_mm() },
-        ProjectionKind::Meridian => Projection::Meridian,
-        ProjectionKind::Rigid | ProjectionKind::Conformal => Projection::Unrolled,
-    };
-    let mut strokes = Vec::new();
-    for (number, stroke) in filled.strokes.iter().enumerate() {
-        let points =
-            project(&carrier, projection, number, &stroke.points, stroke.closed, args.step_mm).map_err(|error| {
-                let width =
-                    2.0 * contours.iter().flat_map(|c| &c.points).map(|at| at.coords.norm()).fold(0.0, f64::max);
-                here(&format!(
-                    "{error}; the design is {width:.1} mm wide about its centre, --diameter makes it smaller"
-                ))
-            })?;
-        strokes.push(OnSurface { points, stroke: number, layer: 0 });
-    }
-    let first = strokes.len();
-    for layer in 1..args.layers {
-        for k in 0..first {
-            let points = raised(&strokes[k].points, f64::from(layer) * args.layer_height_mm);
-            strokes.push(OnSurface { points, stroke: strokes[k].stroke, layer });
-        }
-    }
+    let projection = projection(args);
+    let strokes = projected(args, &carrier, projection, &filled.strokes, &contours).map_err(|what| here(&what))?;
     Ok(Planned {
         name,
         drawing,
         pieces,
-        duplicates: joined.duplicates,
-        zero_length: joined.zero_length,
+        duplicates,
+        zero_length,
         gaps,
         size_mm,
         scale,
@@ -354,6 +351,43 @@ pub fn plan(args: &Args, bars: &Bars) -> Result<Planned, Failure> {
         coverage: Coverage::default(),
         distortion: Distortion::default(),
     })
+}
+
+/// How the design comes onto the surface.
+fn projection(args: &Args) -> Projection {
+    match args.projection {
+        ProjectionKind::Vertical => Projection::Vertical,
+        ProjectionKind::Point => Projection::FromPoint { height: -args.setup.pole_height_mm() },
+        ProjectionKind::Meridian => Projection::Meridian,
+        ProjectionKind::Rigid | ProjectionKind::Conformal => Projection::Unrolled,
+    }
+}
+
+/// The strokes on the surface, and those of the layers above it, raised along its normals.
+fn projected(
+    args: &Args,
+    carrier: &Carrier,
+    projection: Projection,
+    flat: &[Stroke],
+    contours: &[Contour],
+) -> Result<Vec<OnSurface>, String> {
+    let mut strokes = Vec::new();
+    for (number, stroke) in flat.iter().enumerate() {
+        let points = project(carrier, projection, number, &stroke.points, stroke.closed, args.step_mm);
+        let points = points.map_err(|error| {
+            let width = 2.0 * contours.iter().flat_map(|c| &c.points).map(|at| at.coords.norm()).fold(0.0, f64::max);
+            format!("{error}; the design is {width:.1} mm wide about its centre, --diameter makes it smaller")
+        })?;
+        strokes.push(OnSurface { points, stroke: number, layer: 0 });
+    }
+    let first = strokes.len();
+    for layer in 1..args.layers {
+        for k in 0..first {
+            let points = raised(&strokes[k].points, f64::from(layer) * args.layer_height_mm);
+            strokes.push(OnSurface { points, stroke: strokes[k].stroke, layer });
+        }
+    }
+    Ok(strokes)
 }
 
 /// Figures that the program does not need.

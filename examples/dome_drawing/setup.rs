@@ -2,6 +2,7 @@
 
 use super::fault::fault;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::input::read_text;
 use curvlay_kinematics::nalgebra::Point3;
 use curvlay_kinematics::program::{DomeOptions, DomeRig};
@@ -152,7 +153,7 @@ impl Setup {
         }
         let count = self.dome_polynomial.len();
         if !(1..=MAX_COEFFICIENTS).contains(&count) {
-            let what = format!("has {count} coefficients: it must have from 1 to {MAX_COEFFICIENTS}");
+            let what = format!("has {}: it must have from 1 to {MAX_COEFFICIENTS}", counted(count, "coefficient"));
             return Err(("dome_polynomial", what));
         }
         Ok(())

@@ -4,6 +4,7 @@
 //! connection, which is made again, after a pause, when it breaks, the clock, and the commands of who stands beside the robot.
 
 use curvlay_examples::args::warn;
+use curvlay_examples::count::counted;
 use curvlay_kinematics::program::link::{LinkError, LinkMessage, LinkOptions, LinkProgress, LinkSender};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -26,7 +27,7 @@ pub enum Command {
 #[derive(Debug, thiserror::Error)]
 pub enum StreamError {
     /// Nothing answers.
-    #[error("no connection to {address} after {tries} tries: {source}")]
+    #[error("no connection to {address} after {}: {source}", counted(.tries, "attempt"))]
     Connect {
         /// Where.
         address: String,
@@ -36,7 +37,7 @@ pub enum StreamError {
         source: io::Error,
     },
     /// The sender cannot go on.
-    #[error("{address}: {source}; {done} messages are done")]
+    #[error("{address}: {source}, after {}", counted(.done, "message"))]
     Link {
         /// Where.
         address: String,

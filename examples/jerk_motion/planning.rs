@@ -160,62 +160,30 @@ pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
     let (samples, search) = plan.grid;
     let grid = LadderOptions { samples, search, doublings: 0, breaks: true, ..LadderOptions::default() };
     let mut waypoints = 0;
-    for (piece, (robot, times)) in robots.iter().zip(times).enumerate() {
-        let bounds = robot.bounds(plan.makers_speeds);
-        let (ladder, ladder_time) = first_ladder(robot, times, &bounds, plan.finer, bars)?;
-        let (mut local, mut global) = (None, None);
+    for (number, (robot, times)) in robots.iter().zip(times).enumerate() {
+        let mut piece = Piece::new(robot, times, plan, bars)?;
         for &method in plan.methods {
-            let started = Instant::now();
-            let (mut lower_bound, mut whole, mut history) = (None, None, Vec::new());
-            let (motion, time) = match method {
-                "local" => {
-                    let motion;
-                    (motion, history) = smoothed(robot, times, &bounds, &ladder, bars)?;
-                    local = Some((motion.clone(), started.elapsed()));
-                    (motion, ladder_time + started.elapsed())
-                }
-                "global" => {
-                    let (start, before) = better(&ladder, local.as_ref(), times)?;
-                    let other = unhurried(robot, times, &bounds, start, bars)?;
-                    let found = globally(robot, times, &bounds, other.as_ref().unwrap_or(start), bars)?;
-                    let time = ladder_time + before + started.elapsed();
-                    global = Some((found.clone(), time));
-                    (lower_bound, whole, history) = (found.2, Some(found.1), found.3);
-                    (found.0, time)
-                }
+            let found = match method {
+                "local" => piece.local()?,
+                "global" => piece.global()?,
                 FREED => {
-                    let (Some((start, before)), Some(kept)) = (&local, global.take()) else { continue };
-                    let reached = freed(&bounds, &start.splines(times)?);
-                    let (found, time) = if let Some(bounds) = reached {
-                        freed_any = true;
-                        let found = globally(robot, times, &bounds, start, bars)?;
-                        (found, ladder_time + *before + started.elapsed())
-                    } else {
-                        kept
-                    };
-                    whole = Some(found.1);
-                    (found.0, time)
+                    let Some((found, is_freed)) = piece.freed()? else { continue };
+                    freed_any |= is_freed;
+                    found
                 }
-                "grid" => match plan_with(robot, times, &bounds, &grid, bars) {
-                    Ok(found) => (found, started.elapsed()),
+                "grid" => match piece.on_grid(&grid) {
+                    Ok(found) => found,
                     // At whole degrees not every waypoint is in reach, and from coarse to fine not every path is found.
                     Err(error) => {
                         if notes.is_empty() {
-                            notes.push(format!("no path on the grid: piece {piece}: {error}"));
+                            notes.push(format!("no path on the grid: piece {number}: {error}"));
                         }
                         continue;
                     }
                 },
-                _ => (ladder.clone(), ladder_time),
+                _ => Found::new(piece.ladder.clone(), piece.ladder_time),
             };
-            let trajectories = whole.map_or_else(|| motion.splines(times), Ok)?;
-            let mut planned = measured(method, robot, times, &bounds, &motion, trajectories, time);
-            planned.figures.jerk_lower_bound = lower_bound;
-            planned.history = history;
-            planned.figures.breaks.iter_mut().for_each(|waypoint| *waypoint += waypoints);
-            if method == "ladder" {
-                planned.figures.speed_lower_bound = needed_speed(robot, times, &bounds, &motion)?;
-            }
+            let planned = piece.measured(method, found, waypoints)?;
             match all.iter_mut().find(|known| known.method == method) {
                 Some(known) => known.append(planned),
                 None => all.push(planned),
@@ -225,6 +193,104 @@ pub fn plan<const N: usize, const F: usize, R: Studied<N, F>>(
     }
     all.retain(|planned| (planned.method != FREED || freed_any) && (planned.method != "grid" || notes.is_empty()));
     Ok((all, notes))
+}
+
+/// What a method finds on a piece.
+struct Found<const N: usize, const F: usize> {
+    motion: Motion<N, F>,
+    /// That of what it starts from included.
+    time: Duration,
+    /// The splines, where they are not those through the waypoints alone.
+    trajectories: Option<Vec<Trajectory<N>>>,
+    lower_bound: Option<f64>,
+    history: Vec<HistoryStep>,
+}
+
+impl<const N: usize, const F: usize> Found<N, F> {
+    /// A motion that goes through its waypoints.
+    fn new(motion: Motion<N, F>, time: Duration) -> Self {
+        Found { motion, time, trajectories: None, lower_bound: None, history: Vec::new() }
+    }
+}
+
+/// A piece of the path with what is planned for it: methods start from what others have found.
+struct Piece<'a, const N: usize, const F: usize, R> {
+    robot: &'a R,
+    times: &'a [f64],
+    bounds: Bounds<N>,
+    bars: &'a Bars,
+    ladder: Motion<N, F>,
+    ladder_time: Duration,
+    local: Option<(Motion<N, F>, Duration)>,
+    global: Option<(Global<N, F>, Duration)>,
+}
+
+impl<'a, const N: usize, const F: usize, R: Studied<N, F>> Piece<'a, N, F, R> {
+    /// A piece with its ladder, which every other method needs.
+    fn new(robot: &'a R, times: &'a [f64], plan: &Plan<'_, F>, bars: &'a Bars) -> Result<Self, Failure> {
+        let bounds = robot.bounds(plan.makers_speeds);
+        let (ladder, ladder_time) = first_ladder(robot, times, &bounds, plan.finer, bars)?;
+        Ok(Piece { robot, times, bounds, bars, ladder, ladder_time, local: None, global: None })
+    }
+
+    /// The ladder, filtered by Algorithm 6.
+    fn local(&mut self) -> Result<Found<N, F>, Failure> {
+        let started = Instant::now();
+        let (motion, history) = smoothed(self.robot, self.times, &self.bounds, &self.ladder, self.bars)?;
+        self.local = Some((motion.clone(), started.elapsed()));
+        Ok(Found { history, ..Found::new(motion, self.ladder_time + started.elapsed()) })
+    }
+
+    /// The global filter, from the better of ladder and local filter.
+    fn global(&mut self) -> Result<Found<N, F>, Failure> {
+        let started = Instant::now();
+        let (start, before) = better(&self.ladder, self.local.as_ref(), self.times)?;
+        let other = unhurried(self.robot, self.times, &self.bounds, start, self.bars)?;
+        let found = globally(self.robot, self.times, &self.bounds, other.as_ref().unwrap_or(start), self.bars)?;
+        let time = self.ladder_time + before + started.elapsed();
+        self.global = Some((found.clone(), time));
+        let (motion, trajectories, lower_bound, history) = found;
+        Ok(Found { motion, time, trajectories: Some(trajectories), lower_bound, history })
+    }
+
+    /// The global filter within the speeds and accelerations that the local one reaches, and whether these are beyond the bounds; if not, what the
+    /// global filter has found already. `None` without both.
+    fn freed(&mut self) -> Result<Option<(Found<N, F>, bool)>, Failure> {
+        let started = Instant::now();
+        let (Some((start, before)), Some(kept)) = (&self.local, self.global.take()) else { return Ok(None) };
+        let reached = freed(&self.bounds, &start.splines(self.times)?);
+        let is_freed = reached.is_some();
+        let ((motion, trajectories, ..), time) = match reached {
+            Some(bounds) => {
+                let found = globally(self.robot, self.times, &bounds, start, self.bars)?;
+                (found, self.ladder_time + *before + started.elapsed())
+            }
+            None => kept,
+        };
+        Ok(Some((Found { trajectories: Some(trajectories), ..Found::new(motion, time) }, is_freed)))
+    }
+
+    /// The ladder on a grid.
+    fn on_grid(&self, grid: &LadderOptions<N, F>) -> Result<Found<N, F>, LadderError> {
+        let started = Instant::now();
+        let motion = plan_with(self.robot, self.times, &self.bounds, grid, self.bars)?;
+        Ok(Found::new(motion, started.elapsed()))
+    }
+
+    /// The figures of what was found; waypoints are counted on from those of the pieces before.
+    fn measured(&self, method: &'static str, found: Found<N, F>, waypoints: usize) -> Result<Planned<N>, Failure> {
+        let Piece { robot, times, bounds, .. } = *self;
+        let Found { motion, time, trajectories, lower_bound, history } = found;
+        let trajectories = trajectories.map_or_else(|| motion.splines(times), Ok)?;
+        let mut planned = measured(method, robot, times, &bounds, &motion, trajectories, time);
+        planned.figures.jerk_lower_bound = lower_bound;
+        planned.history = history;
+        planned.figures.breaks.iter_mut().for_each(|waypoint| *waypoint += waypoints);
+        if method == "ladder" {
+            planned.figures.speed_lower_bound = needed_speed(robot, times, &bounds, &motion)?;
+        }
+        Ok(planned)
+    }
 }
 
 /// The bounds, raised joint by joint to what these splines reach; none where they keep those on speed and acceleration.

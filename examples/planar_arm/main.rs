@@ -16,13 +16,14 @@ mod picture;
 use clap::Parser;
 use curvlay_examples::args::{Common, Failure, Outcome, run_with_args};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_trajectory::indicator::svm::{Svm, SvmOptions};
 use curvlay_trajectory::indicator::{
-    CollisionIndicator, Rates, SamplingOptions, random_samples, training_set, verification_samples,
+    CollisionIndicator, Rates, Sample, SamplingOptions, random_samples, training_set, verification_samples,
 };
 pub use picture::unrolled;
 use picture::{ALONG, Drawing, JOINT, Map, dots};
@@ -93,32 +94,56 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Stag
     // Later rounds of both, where there are any, count as refinement.
     let cut = [("initial", until(0)), ("up-scaled", until(1)), ("refined", set.samples.len())];
     let mut drawing = Drawing::default();
-    let joints = |[along, turn]: [f64; 2]| arm::inverse(arm::on_path(along), turn, 1.0);
     let postures: Vec<[f64; 3]> =
-        [[0.4, 0.3], [1.7, 0.9], [2.6, 5.4], [4.4, 0.2]].into_iter().filter_map(joints).collect();
+        [[0.4, 0.3], [1.7, 0.9], [2.6, 5.4], [4.4, 0.2]].into_iter().filter_map(on_path).collect();
     drawing.scene("arm, path and discs", &postures);
     let mut stages = vec![];
     let no_dots = vec![false; random.len()];
     let sets = cut.into_iter().map(|(name, count)| (name, &set.samples[..count], &set.on_contact[..count]));
     for (name, samples, on) in sets.chain([("random", &random[..], &no_dots[..])]) {
         bars.update("learn", stages.len() as u64, 4);
-        let svm = Svm::train(samples, &SvmOptions::default())
-            .map_err(|error| Failure::new(format!("{name} samples: {error}; --initial or --samples is too small")))?;
-        let wrong = drawing.map(&Map {
-            title: format!("{name}: {} samples, {} kernels", samples.len(), svm.kernels()),
-            axes: ["place on the path", "direction of the last link"],
-            range: ALONG,
-            joints: &joints,
-            predicts: &|q| svm.predicts(q),
-            dots: dots(samples, on),
-        });
-        let rates = verified.each_ref().map(|known| Rates::of(&svm, known));
-        stages.push(Stage { name, samples: samples.len(), svm, rates, wrong });
+        stages.push(learned(name, samples, on, &verified, &mut drawing)?);
     }
-    // A slice of joint space: off the contact space most of it is far from any sample.
-    let learned = &stages[2];
-    let near: Vec<([f64; 2], bool)> = set
-        .samples
+    draw_slice(&stages[2], &set.samples, &mut drawing);
+    bars.finish();
+    let svg = drawing.to_svg();
+    folder.write("planar_arm.svg", &svg)?;
+    folder.write("report.html", report(&stages, &svg).to_html())?;
+    // The summary comes last: where it is, all is there.
+    summary(args, &stages, start.elapsed())?.write(folder)?;
+    Ok((stages, Outcome::Done))
+}
+
+/// The joints of a place on the path, with the last link in a direction.
+fn on_path([along, turn]: [f64; 2]) -> Option<[f64; 3]> {
+    arm::inverse(arm::on_path(along), turn, 1.0)
+}
+
+/// Learns from samples, of which some are `on` the contact space, and draws what is predicted along the path.
+fn learned(
+    name: &'static str,
+    samples: &[Sample<3>],
+    on: &[bool],
+    verified: &[Vec<Sample<3>>; 2],
+    drawing: &mut Drawing,
+) -> Result<Stage, Failure> {
+    let svm = Svm::train(samples, &SvmOptions::default())
+        .map_err(|error| Failure::new(format!("{name} samples: {error}; --initial or --samples is too small")))?;
+    let wrong = drawing.map(&Map {
+        title: format!("{name}: {}, {}", counted(samples.len(), "sample"), counted(svm.kernels(), "kernel")),
+        axes: ["place on the path", "direction of the last link"],
+        range: ALONG,
+        joints: &on_path,
+        predicts: &|q| svm.predicts(q),
+        dots: dots(samples, on),
+    });
+    let rates = verified.each_ref().map(|known| Rates::of(&svm, known));
+    Ok(Stage { name, samples: samples.len(), svm, rates, wrong })
+}
+
+/// Draws a slice of joint space: off the contact space most of it is far from any sample.
+fn draw_slice(learned: &Stage, samples: &[Sample<3>], drawing: &mut Drawing) {
+    let near: Vec<([f64; 2], bool)> = samples
         .iter()
         .filter(|sample| (sample.joints[1] - SLICE).abs() < NEAR)
         .map(|sample| ([sample.joints[0], sample.joints[2]], sample.collides))
@@ -131,13 +156,6 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Stag
         predicts: &|q| learned.svm.predicts(q),
         dots: near,
     });
-    bars.finish();
-    let svg = drawing.to_svg();
-    folder.write("planar_arm.svg", &svg)?;
-    folder.write("report.html", report(&stages, &svg).to_html())?;
-    // The summary comes last: where it is, all is there.
-    summary(args, &stages, start.elapsed())?.write(folder)?;
-    Ok((stages, Outcome::Done))
 }
 
 /// The stages, and Fig. 4.6.

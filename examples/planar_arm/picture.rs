@@ -78,7 +78,6 @@ impl Drawing {
     /// of reachable cells on which it is wrong.
     pub fn map(&mut self, map: &Map) -> f64 {
         let [left, low] = self.begin(&map.title);
-        let cell = SIDE / CELLS as f64;
         let coordinate = |k: usize| map.range[0] + (map.range[1] - map.range[0]) * (k as f64 + 0.5) / CELLS as f64;
         // Of each cell what is so and what is predicted; nothing where it cannot be reached.
         let known: Vec<Option<[bool; 2]>> = (0..CELLS * CELLS)
@@ -87,41 +86,8 @@ impl Drawing {
                 Some([collides(&joints), (map.predicts)(&joints)])
             })
             .collect();
-        let corner = |x: usize, y: usize| [left + x as f64 * cell, low - y as f64 * cell];
-        for (y, row) in known.chunks(CELLS).enumerate() {
-            let mut x = 0;
-            for same in row.chunk_by(|a, b| a == b) {
-                let colour = match same[0] {
-                    None => None,
-                    Some([truth, said]) if truth != said => Some(WRONG),
-                    Some([truth, _]) => Some(if truth { BLOCKED } else { FREE }),
-                };
-                if let Some(colour) = colour {
-                    let [at, top] = corner(x, y + 1);
-                    let wide = same.len() as f64 * cell;
-                    let _ = write!(
-                        self.body,
-                        "\n<rect x=\"{at:.1}\" y=\"{top:.1}\" width=\"{wide:.1}\" height=\"{:.1}\" fill=\"{colour}\"/>",
-                        cell + 0.1
-                    );
-                }
-                x += same.len();
-            }
-        }
-        let said = |x: usize, y: usize| known[x + CELLS * y].map(|[_, said]| said);
-        let part = |a: Option<bool>, b: Option<bool>| matches!((a, b), (Some(a), Some(b)) if a != b);
-        let mut edges = String::new();
-        for (x, y) in (0..CELLS).flat_map(|y| (0..CELLS).map(move |x| (x, y))) {
-            if x + 1 < CELLS && part(said(x, y), said(x + 1, y)) {
-                let [at, from] = corner(x + 1, y);
-                let _ = write!(edges, "M{at:.1} {from:.1}v{:.1}", -cell);
-            }
-            if y + 1 < CELLS && part(said(x, y), said(x, y + 1)) {
-                let [from, at] = corner(x, y + 1);
-                let _ = write!(edges, "M{from:.1} {at:.1}h{cell:.1}");
-            }
-        }
-        let _ = write!(self.body, "\n<path fill=\"none\" stroke=\"#111111\" d=\"{edges}\"/>");
+        self.cells(&known, [left, low]);
+        self.boundary(&known, [left, low]);
         let share = |x: f64| (x - map.range[0]) / (map.range[1] - map.range[0]);
         for (at, hits) in map.dots.iter().filter(|(at, _)| at.iter().all(|&x| (0.0..=1.0).contains(&share(x)))) {
             let (x, y) = (left + share(at[0]) * SIDE, low - share(at[1]) * SIDE);
@@ -142,6 +108,48 @@ impl Drawing {
         );
         let reached: Vec<[bool; 2]> = known.into_iter().flatten().collect();
         reached.iter().filter(|[truth, said]| truth != said).count() as f64 / reached.len().max(1) as f64
+    }
+
+    /// Cells of a map in their colours, equal ones of a row as one rectangle.
+    fn cells(&mut self, known: &[Option<[bool; 2]>], at: [f64; 2]) {
+        for (y, row) in known.chunks(CELLS).enumerate() {
+            let mut x = 0;
+            for same in row.chunk_by(|a, b| a == b) {
+                let colour = match same[0] {
+                    None => None,
+                    Some([truth, said]) if truth != said => Some(WRONG),
+                    Some([truth, _]) => Some(if truth { BLOCKED } else { FREE }),
+                };
+                if let Some(colour) = colour {
+                    let [left, top] = corner(at, x, y + 1);
+                    let wide = same.len() as f64 * CELL;
+                    let _ = write!(
+                        self.body,
+                        "\n<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{wide:.1}\" height=\"{:.1}\" fill=\"{colour}\"/>",
+                        CELL + 0.1
+                    );
+                }
+                x += same.len();
+            }
+        }
+    }
+
+    /// The boundary of what is predicted: between cells with different predictions.
+    fn boundary(&mut self, known: &[Option<[bool; 2]>], at: [f64; 2]) {
+        let said = |x: usize, y: usize| known[x + CELLS * y].map(|[_, said]| said);
+        let part = |a: Option<bool>, b: Option<bool>| matches!((a, b), (Some(a), Some(b)) if a != b);
+        let mut edges = String::new();
+        for (x, y) in (0..CELLS).flat_map(|y| (0..CELLS).map(move |x| (x, y))) {
+            if x + 1 < CELLS && part(said(x, y), said(x + 1, y)) {
+                let [right, from] = corner(at, x + 1, y);
+                let _ = write!(edges, "M{right:.1} {from:.1}v{:.1}", -CELL);
+            }
+            if y + 1 < CELLS && part(said(x, y), said(x, y + 1)) {
+                let [from, top] = corner(at, x, y + 1);
+                let _ = write!(edges, "M{from:.1} {top:.1}h{CELL:.1}");
+            }
+        }
+        let _ = write!(self.body, "\n<path fill=\"none\" stroke=\"#111111\" d=\"{edges}\"/>");
     }
 
     /// The `svg` element.
@@ -175,4 +183,12 @@ pub fn dots(samples: &[Sample<3>], on_contact: &[bool]) -> Vec<([f64; 2], bool)>
         .filter(|(sample, on)| **on && sample.joints[1] > 0.0)
         .map(|(sample, _)| (unrolled(&sample.joints), sample.collides))
         .collect()
+}
+
+/// Edge of a cell of a map.
+const CELL: f64 = SIDE / CELLS as f64;
+
+/// The lower left corner of a cell of a map, whose own is at `left` and `low`.
+fn corner([left, low]: [f64; 2], x: usize, y: usize) -> [f64; 2] {
+    [left + x as f64 * CELL, low - y as f64 * CELL]
 }

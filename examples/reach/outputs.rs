@@ -6,6 +6,7 @@ use super::reaching::{Cell, Found, Reached, is_in_box};
 use super::standing::Worth;
 use super::tried::TOOL_ANGLES;
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -169,15 +170,15 @@ fn report(args: &Args, found: &Found) -> Report {
     let mut report = Report::new("Reach of the arms, and where the nozzle should stand");
     found.findings.report(&mut report);
     report.paragraph(&format!(
-        "After Dai (2020), section 2.3.1: {} postures of each arm, spread evenly over its joints; frames of the platform \
+        "After Dai (2020), section 2.3.1: {} of each arm, spread evenly over its joints; frames of the platform \
          in its hand that face down, lie below the floor or less than {} mm in front of axis 1 are dropped. The dissertation puts \
          the nozzle at the middle of the box of {} mm that contains the most of the others. A second count of the frames in \
-         the box, one by one, agrees for {} of {} arms. Counting frames knows no collisions: the box lies at the limit that keeps it away from the arm.",
-        args.samples,
+         the box, one by one, agrees for {} of {}. Counting frames knows no collisions: the box lies at the limit that keeps it away from the arm.",
+        counted(args.samples, "posture"),
         args.front_mm,
         args.box_mm,
         reached.iter().filter(|arm| arm.recounted == arm.placement.frames).count(),
-        reached.len()
+        counted(reached.len(), "arm")
     ));
     report.paragraph(&format!(
         "The best place is searched by what a part is worth there: an upright cube of {} mm that grows layer by layer, on an arm that stands on a floor, under a nozzle that hangs down \

@@ -7,6 +7,7 @@ use super::tried::{ALONG, TOOL_ANGLES, part};
 use clap::ValueEnum;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_kinematics::workcell::WorkcellModel;
@@ -66,7 +67,12 @@ pub struct Found {
 fn findings(arms: &[Reached], cells: &[Cell]) -> Findings {
     let mut findings = Findings::default();
     for arm in arms.iter().filter(|arm| !arm.is_ok()) {
-        let amount = format!("{} frames in the box of {}, {:e} mm", arm.recounted, arm.placement.frames, arm.worst_mm);
+        let amount = format!(
+            "{} in the box of {}, {:e} mm",
+            counted(arm.recounted, "frame"),
+            arm.placement.frames,
+            arm.worst_mm
+        );
         findings.add(
             Severity::Failed,
             format!("{}: a second count differs, or a nozzle missed its waypoint", arm.name.title()),

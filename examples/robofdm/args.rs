@@ -45,8 +45,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=1000), allow_negative_numbers = true)]
     pub max_parts: u16,
     /// Minimum share of the volume that is cut off as a part
-    #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
-    pub min_part: f64,
+    #[arg(long = "min-part", value_name = "SHARE", default_value_t = 0.005, value_parser = share, allow_negative_numbers = true)]
+    pub min_part_share: f64,
     /// Maximum share of the risky area, the sides that overhang, that may be left; more sets exit status 3
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_negative_numbers = true)]
     pub allow_risky: f64,
@@ -57,8 +57,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = TuningOptions::default().perturbations, value_parser = clap::value_parser!(u32).range(..=1000), allow_negative_numbers = true, help_heading = TUNING)]
     pub perturbations: u32,
     /// Maximum shift of a plane of the sequence, as a share of the diagonal of the part's box
-    #[arg(long, value_name = "SHARE", default_value_t = TuningOptions::default().max_offset, value_parser = share, allow_negative_numbers = true, help_heading = TUNING)]
-    pub max_offset: f64,
+    #[arg(long = "max-offset", value_name = "SHARE", default_value_t = TuningOptions::default().max_offset, value_parser = share, allow_negative_numbers = true, help_heading = TUNING)]
+    pub max_offset_share: f64,
     /// Maximum turn of a plane of the sequence, in degrees
     #[arg(long = "max-turn", value_name = "DEG", default_value_t = 5.0, value_parser = acute, allow_negative_numbers = true, help_heading = TUNING)]
     pub max_turn_deg: f64,

@@ -4,6 +4,7 @@ use super::ways::{Found, Ways, sought};
 use super::{Args, Avoid, Base, workcell};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
@@ -50,48 +51,17 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
     of_mesh.say();
     let Part { name, mut mesh, .. } = part;
     let start = Instant::now();
-    let max_angle = args.angle_deg.to_radians();
     let options = SegmentOptions { clusters: args.parts.map(|parts| parts as usize), ..SegmentOptions::default() };
     let root = args.root.map_or(Root::Best, Root::Part);
     // What is in the first layer lies on the platform.
-    let platform = args.layer_height;
+    let (max_angle, platform) = (args.angle_deg.to_radians(), args.layer_height);
     let sequenced = SequenceOptions { max_angle, root, platform, ..SequenceOptions::default() };
     bars.update("segments", 0, 1);
     let segmentation = segment(&mesh.vertices, &mesh.triangles, &options)?;
-    let mut placed = Isometry3::identity();
-    let mut upright = SequenceOptions { direction: Some(Vector3::z()), ..sequenced };
-    if args.base == Base::Best {
-        let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &sequenced).map_err(no_root)?;
-        if let Some(first) = sequence.parts.first() {
-            let turn = Rotation3::rotation_between(&first.direction, &Vector3::z())
-                .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-            mesh.vertices.iter_mut().for_each(|vertex| *vertex = turn * *vertex);
-            placed.rotation = UnitQuaternion::from_rotation_matrix(&turn);
-            upright.root = Root::Part(first.part);
-        }
-    }
-    placed.translation = onto_plate(&mut mesh).into();
-    let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, &segmentation, &upright).map_err(no_root)?;
+    let (placed, sequence) = placed(args, &mut mesh, &segmentation, &sequenced)?;
     let solid = Solid::new(&mesh.vertices, &mesh.triangles)?;
     let head = if args.avoid == Avoid::Head { Some(workcell::head(args, &mesh)?) } else { None };
-    let tuning = TuningOptions {
-        max_angle,
-        platform,
-        perturbations: args.perturbations,
-        max_offset: args.max_offset,
-        max_turn: args.max_turn_deg.to_radians(),
-        max_section: args.max_section,
-        candidates: usize::from(args.candidates),
-        normals: usize::from(args.normals),
-        spacing: args.spacing_mm,
-        halvings: args.halvings,
-        keep_sections_apart: args.keep_sections_apart,
-        max_parts: usize::from(args.max_parts),
-        min_piece: args.min_part,
-        head,
-        strength: args.strength(),
-        ..TuningOptions::default()
-    };
+    let tuning = tuning(args, head);
     let (Found { parts, head, audit, audit_time }, ways) = sought(args, &solid, &sequence, &tuning, bars)?;
     let pedestal = head.and_then(|head| {
         let first = parts.parts.first()?;
@@ -115,6 +85,53 @@ pub fn divide(args: &Args, bars: &Bars) -> Result<Divided, Failure> {
         audit_time,
         of_mesh,
     })
+}
+
+/// Puts the mesh on the plate, as it lies or with the best segment at the bottom, and plans the sequence of its segments upright from there.
+fn placed(
+    args: &Args,
+    mesh: &mut Mesh,
+    segmentation: &Segmentation,
+    sequenced: &SequenceOptions,
+) -> Result<(Isometry3<f64>, BuildSequence), Failure> {
+    let mut placed = Isometry3::identity();
+    let mut upright = SequenceOptions { direction: Some(Vector3::z()), ..*sequenced };
+    if args.base == Base::Best {
+        let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, segmentation, sequenced).map_err(no_root)?;
+        if let Some(first) = sequence.parts.first() {
+            let turn = Rotation3::rotation_between(&first.direction, &Vector3::z())
+                .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+            mesh.vertices.iter_mut().for_each(|vertex| *vertex = turn * *vertex);
+            placed.rotation = UnitQuaternion::from_rotation_matrix(&turn);
+            upright.root = Root::Part(first.part);
+        }
+    }
+    placed.translation = onto_plate(mesh).into();
+    let sequence = plan_sequence(&mesh.vertices, &mesh.triangles, segmentation, &upright).map_err(no_root)?;
+    Ok((placed, sequence))
+}
+
+/// How planes are tuned, with a head to be kept out of what stands.
+fn tuning(args: &Args, head: Option<Head>) -> TuningOptions {
+    TuningOptions {
+        max_angle: args.angle_deg.to_radians(),
+        // What is in the first layer lies on the platform.
+        platform: args.layer_height,
+        perturbations: args.perturbations,
+        max_offset: args.max_offset_share,
+        max_turn: args.max_turn_deg.to_radians(),
+        max_section: args.max_section,
+        candidates: usize::from(args.candidates),
+        normals: usize::from(args.normals),
+        spacing: args.spacing_mm,
+        halvings: args.halvings,
+        keep_sections_apart: args.keep_sections_apart,
+        max_parts: usize::from(args.max_parts),
+        min_piece: args.min_part_share,
+        head,
+        strength: args.strength(),
+        ..TuningOptions::default()
+    }
 }
 
 /// Parts whose reason is in the finding; the others are in the table.
@@ -141,7 +158,8 @@ pub fn reason(left: &Left) -> String {
 fn no_root(error: RoboFdmError) -> Failure {
     match error {
         RoboFdmError::Root { root, parts } => Failure::of_arguments(format!(
-            "--root {root}: there are {parts} segments, from 0 to {}; a run without --root draws them with their numbers (segments.png)",
+            "--root {root}: the mesh has {}, from 0 to {}; a run without --root draws them with their numbers (segments.png)",
+            counted(parts, "segment"),
             parts.saturating_sub(1)
         )),
         other => other.into(),
@@ -216,6 +234,12 @@ impl Divided {
 
     /// What is wrong.
     pub fn find(&self, args: &Args, findings: &mut Findings) {
+        self.find_in_division(args, findings);
+        self.find_in_audit(args, findings);
+    }
+
+    /// Risky area, the limit of parts, the pedestal, and how parts hold.
+    fn find_in_division(&self, args: &Args, findings: &mut Findings) {
         let (share, goal) = (self.risky_share(), TuningOptions::default().goal);
         let is_full = self.parts.parts.len() >= usize::from(args.max_parts);
         if share > goal.min(args.allow_risky) {
@@ -259,6 +283,10 @@ impl Divided {
                 .try_to(if hold.on_platform && args.base != Base::Best { "--base best" } else { "" })
                 .try_to("a brim, or what is known of the bond: --bond, --plate-bond, --print-force, --safety");
         }
+    }
+
+    /// What the audit of the parts says.
+    fn find_in_audit(&self, args: &Args, findings: &mut Findings) {
         let audit = &self.audit;
         if audit.volume_error.abs() > AuditOptions::default().max_volume_error {
             findings.add(Severity::Failed, "volumes do not add up", format!("{:.1e}", audit.volume_error), "");
@@ -271,7 +299,7 @@ impl Divided {
             findings.add(Severity::Warning, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
         }
         for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
-            let amount = format!("{contacts} places, {:.2} mm at most", audit.deepest_contact_mm);
+            let amount = format!("{}, {:.2} mm at most", counted(contacts, "place"), audit.deepest_contact_mm);
             findings.add(Severity::Failed, "the head is in what stands", amount, format!("part {}", part + 1));
         }
         for &part in audit.looking_down.iter().filter(|_| self.head.is_none()) {

@@ -213,8 +213,23 @@ pub fn comparison(args: &Args, made: &Made) -> Table {
 }
 
 fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Result<Summary, Failure> {
-    let divided = &made.divided;
     let mut summary = Summary::new();
+    of_options(args, &made.divided, &mut summary)?;
+    of_parts(args, &made.divided, &mut summary)?;
+    of_audit(args, &made.divided, &mut summary)?;
+    if let Some(angle) = made.least_load_angle() {
+        summary.set("load_angle_deg", angle.to_degrees())?;
+    }
+    if let Some(printed) = &made.printed {
+        of_print(args, printed, &mut summary)?;
+    }
+    findings.summary(&mut summary)?;
+    summary.set_seconds("total_s", start.elapsed())?;
+    Ok(summary)
+}
+
+/// What was asked for.
+fn of_options(args: &Args, divided: &Divided, summary: &mut Summary) -> Result<(), Failure> {
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("mesh", divided.name.as_str())?
@@ -223,7 +238,7 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("method", typed_name(args.method))?
         .set("avoid", typed_name(args.avoid))?
         .set("perturbations", args.perturbations)?
-        .set("max_offset", args.max_offset)?
+        .set("max_offset", args.max_offset_share)?
         .set("max_turn_deg", args.max_turn_deg)?
         .set("max_section", args.max_section)?
         .set("candidates", args.candidates)?
@@ -236,7 +251,13 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("bead_mm", args.bead_mm())?
         .set("pattern", typed_name(args.pattern))?
         .set("filaments", args.filaments)?
-        .set("threads", args.common.threads)?
+        .set("threads", args.common.threads)?;
+    Ok(())
+}
+
+/// The parts, and how seams hold them.
+fn of_parts(args: &Args, divided: &Divided, summary: &mut Summary) -> Result<(), Failure> {
+    summary
         .set("facets", divided.solid.triangles().len())?
         .set("volume_mm3", divided.solid.volume())?
         .set("segments", divided.segmentation.parts)?
@@ -258,7 +279,13 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("any_seam", args.any_seam)?
         .set("weakest_seam_share", weakest(divided, false))?
         .set("foot_share", weakest(divided, true))?
-        .set("weak_seams", divided.parts.holds.iter().filter(|hold| hold.share() > 1.0).count())?
+        .set("weak_seams", divided.parts.holds.iter().filter(|hold| hold.share() > 1.0).count())?;
+    Ok(())
+}
+
+/// What the audit of the parts says.
+fn of_audit(args: &Args, divided: &Divided, summary: &mut Summary) -> Result<(), Failure> {
+    summary
         .set("audit_ok", divided.audit.is_ok)?
         .set_seconds("audit_s", divided.audit_time)?
         .set("volume_error", divided.audit.volume_error)?
@@ -269,41 +296,38 @@ fn summary(args: &Args, made: &Made, findings: &Findings, start: Instant) -> Res
         .set("unsupported_mm2", divided.unsupported_mm2())?
         .set("hanging_layers", divided.audit.hanging_layers.iter().sum::<usize>())?
         .set("worst_layer_share", divided.audit.worst_layer.map_or(0.0, |worst| worst.share))?;
-    if let Some(angle) = made.least_load_angle() {
-        summary.set("load_angle_deg", angle.to_degrees())?;
-    }
-    if let Some(printed) = &made.printed {
-        let resolved = &printed.plan.resolved;
-        summary
-            .set("layers", printed.layer_count())?
-            .set("paths", resolved.paths.len())?
-            .set("path_mm", printed.path_mm())?
-            .set("covered_fraction", printed.filled.totals().covered_fraction)?
-            .set("tilted_waypoints", resolved.tilted)?
-            .set("left_out_mm", printed.left_out_mm())?
-            .set("blocked_travels", printed.plan.travels.blocked.len())?
-            .set("feed_min", printed.plan.deposition.total_s / 60.0)?;
-        if let Some(moved) = &printed.moved {
-            summary
-                .set("cell", moved.cell.as_str())?
-                .set("nozzle_x_mm", moved.nozzle_mm[0])?
-                .set("nozzle_y_mm", moved.nozzle_mm[1])?
-                .set("nozzle_z_mm", moved.nozzle_mm[2])?
-                .set("runs", moved.runs)?
-                .set("transfers", moved.transfers)?
-                .set("part_transfers", moved.between_parts)?
-                .set("missing_transfers", moved.missing)?
-                .set("filament_changes", moved.changes)?
-                .set("unreachable_waypoints", moved.count(FaultKind::Unreachable))?
-                .set("blocked_waypoints", moved.count(FaultKind::Blocked))?
-                .set("motion_faults", moved.faults.len())?
-                .set("fabrication_min", minutes(args, moved))?
-                .set("program_files", moved.files.len())?;
-        }
-    }
-    findings.summary(&mut summary)?;
-    summary.set_seconds("total_s", start.elapsed())?;
-    Ok(summary)
+    Ok(())
+}
+
+/// The print, and its motion where it was planned.
+fn of_print(args: &Args, printed: &Printed, summary: &mut Summary) -> Result<(), Failure> {
+    let resolved = &printed.plan.resolved;
+    summary
+        .set("layers", printed.layer_count())?
+        .set("paths", resolved.paths.len())?
+        .set("path_mm", printed.path_mm())?
+        .set("covered_fraction", printed.filled.totals().covered_fraction)?
+        .set("tilted_waypoints", resolved.tilted)?
+        .set("left_out_mm", printed.left_out_mm())?
+        .set("blocked_travels", printed.plan.travels.blocked.len())?
+        .set("feed_min", printed.plan.deposition.total_s / 60.0)?;
+    let Some(moved) = &printed.moved else { return Ok(()) };
+    summary
+        .set("cell", moved.cell.as_str())?
+        .set("nozzle_x_mm", moved.nozzle_mm[0])?
+        .set("nozzle_y_mm", moved.nozzle_mm[1])?
+        .set("nozzle_z_mm", moved.nozzle_mm[2])?
+        .set("runs", moved.runs)?
+        .set("transfers", moved.transfers)?
+        .set("part_transfers", moved.between_parts)?
+        .set("missing_transfers", moved.missing)?
+        .set("filament_changes", moved.changes)?
+        .set("unreachable_waypoints", moved.count(FaultKind::Unreachable))?
+        .set("blocked_waypoints", moved.count(FaultKind::Blocked))?
+        .set("motion_faults", moved.faults.len())?
+        .set("fabrication_min", minutes(args, moved))?
+        .set("program_files", moved.files.len())?;
+    Ok(())
 }
 
 /// The greatest stress as a share of what it may be, of seams with the plate or of others. 1e9 for a seam without area, which JSON has no

@@ -50,7 +50,7 @@ impl Bars {
         Bars { shown, current: Mutex::new(None) }
     }
 
-    /// Says that `done` of `total` steps of `stage` are done (a total of 0: nobody knows of how many). Another name
+    /// Says that `done` of `total` steps of `stage` are done (a total of 0: of an unknown number). Another name
     /// than before closes the bar of the stage before and opens a new one. Made for the `stage`, `done` and `total`
     /// of a progress report:
     /// ```

@@ -1,5 +1,6 @@
 //! Input files: regular files of a stated size only, and how to know one of them again under another name.
 
+use crate::count::counted;
 use same_file::Handle;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -53,7 +54,7 @@ pub enum InputError {
 /// A size as people write it.
 fn size(bytes: u64) -> String {
     match bytes {
-        0..1_000_000 => format!("{bytes} bytes"),
+        0..1_000_000 => counted(bytes, "byte"),
         1_000_000..1_000_000_000 => format!("{:.1} MB", bytes as f64 / 1e6),
         _ => format!("{:.1} GB", bytes as f64 / 1e9),
     }

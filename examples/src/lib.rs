@@ -3,8 +3,10 @@
 //! them.
 
 pub mod args;
+pub mod axis_program;
 pub mod bars;
 pub mod clock;
+pub mod count;
 mod finding;
 pub mod findings;
 mod html;

@@ -3,6 +3,7 @@
 use super::args::Args;
 use super::table::{Pose, Printed, machine};
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::motion::shown;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, INK, MISSED, Rgb, Scene, ramp};
@@ -103,7 +104,7 @@ fn report(args: &Args, printed: &Printed) -> Report {
     if let Some((index, fault)) =
         printed.poses.iter().enumerate().find_map(|(index, pose)| pose.fault.map(|fault| (index, fault)))
     {
-        report.notice(&format!("{} waypoints cannot be reached; number {index}: {fault}", printed.unreachable));
+        report.notice(&format!("{} out of reach; number {index}: {fault}", counted(printed.unreachable, "waypoint")));
     }
     report.table("This run", &table(printed)).paragraph(&format!(
         "The layer was followed a second time by the legs alone, each pose found from the one before, as a control would: at {} of {} \

@@ -5,6 +5,7 @@ use super::volumes::{Divided, PART};
 use super::{Args, Shape, drawing};
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::motion::{Printed, is_program};
@@ -207,47 +208,60 @@ fn summary(
             vec![format!("{}_", of.name)]
         };
         for prefix in prefixes {
-            let key = |name: &str| format!("{prefix}{name}");
-            summary
-                .set(&key("facets"), of.solid.triangles().len())?
-                .set(&key("volume_mm3"), of.solid.volume())?
-                .set(&key("parts"), of.result.parts.len())?
-                .set(&key("separations"), of.result.separations.len())?
-                .set(&key("features"), of.result.features.len())?
-                .set(&key("layers"), of.layers())?
-                .set(&key("overhang_before_mm3"), of.result.overhang_before_mm3)?
-                .set(&key("overhang_after_mm3"), of.overhang_after_mm3())?
-                .set(&key("stuck_parts"), of.result.stuck.len())?
-                .set(&key("audit_ok"), of.audit.is_ok)?
-                .set(&key("volume_error"), of.audit.volume_error)?
-                .set(&key("missing_share"), of.audit.missing_share)?
-                .set(&key("doubled_share"), of.audit.doubled_share)?
-                .set(&key("unsupported_mm2"), of.unsupported_mm2())?
-                .set(&key("unlayered_mm3"), of.audit.sum(|part| part.unlayered_mm3))?
-                .set(&key("thin_mm3"), of.audit.sum(|part| part.thin_mm3))?
-                .set(&key("left_out_mm3"), of.audit.sum(|part| part.left_out_mm3))?
-                .set(&key("added_mm3"), of.audit.sum(|part| part.added_mm3))?
-                .set(&key("blocked_share"), of.blocked_share())?
-                .set_seconds(&key("decompose_s"), of.decompose_time)?
-                .set_seconds(&key("audit_s"), of.audit_time)?;
+            of_division(of, &prefix, &mut summary)?;
         }
     }
-    if let Some((printed, moved)) = printed.and_then(|printed| Some((printed, printed.moved.as_ref()?))) {
-        summary
-            .set("cell", moved.cell.as_str())?
-            .set("paths", printed.plan.resolved.paths.len())?
-            .set("path_mm", printed.path_mm())?
-            .set("left_out_mm", printed.left_out_mm())?
-            .set("transfers", moved.transfers)?
-            .set("missing_transfers", moved.missing)?
-            .set("unreachable_waypoints", moved.count(FaultKind::Unreachable))?
-            .set("motion_faults", moved.faults.len())?
-            .set("robot_min", moved.robot_s / 60.0)?
-            .set("program_files", moved.files.len())?;
+    if let Some(printed) = printed {
+        of_print(printed, &mut summary)?;
     }
     findings.summary(&mut summary)?;
     summary.set_seconds("total_s", start.elapsed())?;
     Ok(summary)
+}
+
+/// The figures of a shape, each key with a prefix.
+fn of_division(of: &Divided, prefix: &str, summary: &mut Summary) -> Result<(), Failure> {
+    let key = |name: &str| format!("{prefix}{name}");
+    summary
+        .set(&key("facets"), of.solid.triangles().len())?
+        .set(&key("volume_mm3"), of.solid.volume())?
+        .set(&key("parts"), of.result.parts.len())?
+        .set(&key("separations"), of.result.separations.len())?
+        .set(&key("features"), of.result.features.len())?
+        .set(&key("layers"), of.layers())?
+        .set(&key("overhang_before_mm3"), of.result.overhang_before_mm3)?
+        .set(&key("overhang_after_mm3"), of.overhang_after_mm3())?
+        .set(&key("stuck_parts"), of.result.stuck.len())?
+        .set(&key("audit_ok"), of.audit.is_ok)?
+        .set(&key("volume_error"), of.audit.volume_error)?
+        .set(&key("missing_share"), of.audit.missing_share)?
+        .set(&key("doubled_share"), of.audit.doubled_share)?
+        .set(&key("unsupported_mm2"), of.unsupported_mm2())?
+        .set(&key("unlayered_mm3"), of.audit.sum(|part| part.unlayered_mm3))?
+        .set(&key("thin_mm3"), of.audit.sum(|part| part.thin_mm3))?
+        .set(&key("left_out_mm3"), of.audit.sum(|part| part.left_out_mm3))?
+        .set(&key("added_mm3"), of.audit.sum(|part| part.added_mm3))?
+        .set(&key("blocked_share"), of.blocked_share())?
+        .set_seconds(&key("decompose_s"), of.decompose_time)?
+        .set_seconds(&key("audit_s"), of.audit_time)?;
+    Ok(())
+}
+
+/// The print, if its motion was planned.
+fn of_print(printed: &Printed, summary: &mut Summary) -> Result<(), Failure> {
+    let Some(moved) = &printed.moved else { return Ok(()) };
+    summary
+        .set("cell", moved.cell.as_str())?
+        .set("paths", printed.plan.resolved.paths.len())?
+        .set("path_mm", printed.path_mm())?
+        .set("left_out_mm", printed.left_out_mm())?
+        .set("transfers", moved.transfers)?
+        .set("missing_transfers", moved.missing)?
+        .set("unreachable_waypoints", moved.count(FaultKind::Unreachable))?
+        .set("motion_faults", moved.faults.len())?
+        .set("robot_min", moved.robot_s / 60.0)?
+        .set("program_files", moved.files.len())?;
+    Ok(())
 }
 
 /// The most steps and parts that the report shows of one shape.
@@ -275,9 +289,10 @@ fn report(args: &Args, divided: &[Divided], findings: &Findings) -> Report {
             .collect();
         let all = of.result.parts.len();
         let counts = (1..=all).filter(|&count| count == all || count < SHOWN);
-        let built: Vec<(String, Vec<u8>)> =
-            counts.map(|count| (format!("{count} of {all} parts printed"), drawing::parts(of, count))).collect();
-        let printed = vec![(format!("{} layers, as audited and printed", of.layers()), drawing::layers(of))];
+        let built: Vec<(String, Vec<u8>)> = counts
+            .map(|count| (format!("{count} of {} printed", counted(all, "part")), drawing::parts(of, count)))
+            .collect();
+        let printed = vec![(format!("{}, as audited and printed", counted(of.layers(), "layer")), drawing::layers(of))];
         for pictures in [drawn, built, printed] {
             let pairs: Vec<(&str, &[u8])> =
                 pictures.iter().map(|(caption, png)| (caption.as_str(), png.as_slice())).collect();

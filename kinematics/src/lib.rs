@@ -9,6 +9,9 @@
 //! * [`Positioner`]: a table that tilts and turns.
 //! * [`Setup`], [`TableSetup`]: who holds what; from a waypoint to configurations.
 //! * [`workcell`]: an arm, what it holds and what stands around it as data, in a JSON file.
+//! * `urdf` (cargo feature, on by default): arms from URDF files.
+//! * [`machine`]: five-axis machines as data, in a JSON file: forward and inverse kinematics, and motions of the
+//!   axes along a path.
 //! * [`scene`]: what touches, how far apart things are, and whether a motion is free.
 //! * [`reachable_points`], [`fullest_box`]: where a nozzle should stand, by what the arm reaches.
 //! * [`best_fixture_place`]: the best place of a nozzle, a plate or a table, with collisions.
@@ -26,7 +29,8 @@
 //!
 //! From below: angles, poses, limits; [`Arm`] and [`Positioner`]; targets ([`program::Target`]); [`Setup`] and [`scene`]; [`workcell`];
 //! placement. [`program`] stands on arms and targets and knows no workcell, [`workcell`] knows no program. [`print_program`] stands on
-//! both. Calibration stands on arms, [`stewart`] on poses alone.
+//! both. Calibration stands on arms, [`stewart`] on poses alone, [`machine`]
+//! on angles alone.
 
 mod angle;
 mod arm;
@@ -34,6 +38,7 @@ mod calibration;
 #[cfg(feature = "serde")]
 mod json;
 mod limits;
+pub mod machine;
 mod placement;
 mod pose;
 mod positioner;
@@ -46,6 +51,8 @@ mod setup;
 pub mod stewart;
 mod target;
 mod trig;
+#[cfg(feature = "urdf")]
+pub mod urdf;
 pub mod workcell;
 
 pub use arm::{
@@ -54,8 +61,8 @@ pub use arm::{
 };
 pub use calibration::{
     ArmFit, ArmParameter, Calibration, CalibrationError, FitError, FitOptions, FitResiduals, FitScope, FittedParameter,
-    MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, calibrate_tip,
-    calibrate_tool, fit_arm, fit_residuals,
+    MIN_TOUCHES, MeasuredPose, MeasurementError, Measurements, OpenDirection, Touch, Undetermined, UrCalibrationError,
+    calibrate_tip, calibrate_tool, fit_arm, fit_residuals,
 };
 pub use limits::{Images, JointLimits, LimitError};
 pub use nalgebra;

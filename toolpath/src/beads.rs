@@ -23,8 +23,8 @@ pub(crate) struct Section {
 
 impl Section {
     pub fn of(at: &Waypoint) -> Section {
-        let direction = at.direction.into_inner();
-        let middle = at.tip - direction * (0.5 * at.height);
+        let direction = at.axis.into_inner();
+        let middle = at.position - direction * (0.5 * at.height);
         let core = (0.5 * (at.width - at.height)).max(0.0);
         Section { middle, direction, core, rim: 0.5 * at.height.min(at.width), arc: at.arc }
     }

@@ -191,8 +191,8 @@ impl Deposition {
     /// use curvlay_toolpath::deposit::{DepositionOptions, deposit};
     /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
     /// use curvlay_toolpath::path::BeadKind;
-    /// let direction = Vector3::z_axis();
-    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
+    /// let axis = Vector3::z_axis();
+    /// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.5), axis, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0), at(30.0)] };
     /// let plan = deposit(&[path], &DepositionOptions::default())?;
     /// let schedule = &plan.schedules()[0]; // 8 mm^3/s, 20 mm/s
@@ -223,8 +223,8 @@ impl Deposition {
     /// use curvlay_toolpath::deposit::{DepositionOptions, deposit};
     /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
     /// use curvlay_toolpath::path::BeadKind;
-    /// let direction = Vector3::z_axis();
-    /// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
+    /// let axis = Vector3::z_axis();
+    /// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.5), axis, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
     /// let mut plan = deposit(&[path], &DepositionOptions::default())?;
     /// plan.retime([(0, 1, 2.0)]);
@@ -373,11 +373,12 @@ impl Planner<'_> {
         let above = |tip: Point3<f64>, direction: UnitVector3<f64>| {
             (hop > 0.0).then(|| Pose { tip: tip + direction.into_inner() * hop, direction })
         };
-        let arrival = above(to.tip, to.direction);
+        let arrival = above(to.position, to.axis);
         if let (Some((tip, direction)), Some(before)) = (self.at, path.checked_sub(1)) {
-            if (Pose { tip, direction }).joins(&Pose { tip: to.tip, direction: to.direction }) {
-                if direction != to.direction {
-                    self.go(MoveKind::Travel, path, 0, to.tip, to.direction);
+            // The path goes on where the last one ended: no travel, and the filament stays under pressure.
+            if (Pose { tip, direction }).joins(&Pose { tip: to.position, direction: to.axis }) {
+                if direction != to.axis {
+                    self.go(MoveKind::Travel, path, 0, to.position, to.axis);
                 }
                 return;
             }
@@ -386,13 +387,15 @@ impl Planner<'_> {
             self.plan.retractions += usize::from(options.retraction > 0.0);
             let hops: Vec<Pose> = above(tip, direction).into_iter().chain(arrival).collect();
             for (k, pose) in way.unwrap_or(&hops).iter().enumerate() {
+                // The first pose is above the end of the path before, the others lead to this one.
                 let (path, waypoint) = if k == 0 { (before, last) } else { (path, 0) };
                 self.go(MoveKind::Travel, path, waypoint, pose.tip, pose.direction);
             }
         } else if let Some(pose) = arrival {
             self.go(MoveKind::Travel, path, 0, pose.tip, pose.direction);
         }
-        self.go(MoveKind::Travel, path, 0, to.tip, to.direction);
+        self.go(MoveKind::Travel, path, 0, to.position, to.axis);
+        // The first path begins with filament that was not drawn back.
         if path > 0 {
             self.push(MoveKind::Prime, path, 0, self.options.retraction, self.options.prime_feed);
         }
@@ -400,13 +403,15 @@ impl Planner<'_> {
 
     fn print(&mut self, path: usize, waypoint: usize, from: &Waypoint, to: &Waypoint) {
         let volume = volume(from, to);
-        let length = (to.tip - from.tip).norm();
+        let length = (to.position - from.position).norm();
         // The bead and the tip may go ways of different length; neither is to be too fast.
         let way = length.max(to.arc - from.arc);
         let wanted = volume / self.options.flow_mm3_s;
         let [fastest, slowest] = [way / self.options.max_feed, way / self.options.min_feed];
+        // The flow asked for, then the limits of the feed; turning comes last, since no machine turns faster, however slow the tip is
+        // then.
         let limited = wanted.max(fastest).min(slowest);
-        let turn = angle(&from.direction, &to.direction);
+        let turn = angle(&from.axis, &to.axis);
         let seconds = limited.max(turn / self.options.max_turn_rate);
         let area = PI / 4.0 * self.options.filament_diameter.powi(2);
         let plan = &mut self.plan;
@@ -425,8 +430,8 @@ impl Planner<'_> {
             bead: Some(to.kind),
             path,
             waypoint,
-            tip: to.tip,
-            direction: to.direction,
+            tip: to.position,
+            direction: to.axis,
             filament: volume / area,
             // Where the tip stands and only turns it is the filament that has a speed.
             feed: if length > SLOWEST * seconds {
@@ -443,7 +448,7 @@ impl Planner<'_> {
         plan.of_path[path] += volume;
         plan.print_s += seconds;
         plan.total_s += seconds;
-        self.at = Some((to.tip, to.direction));
+        self.at = Some((to.position, to.axis));
     }
 }
 
@@ -462,7 +467,7 @@ impl Planner<'_> {
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
 /// // 10 mm of a bead of 0.8 by 0.5 mm.
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
+/// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.5), axis: Vector3::z_axis(), width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let plan = deposit(&[path], &DepositionOptions::default())?;
 /// assert!((plan.extruded_mm3 - 4.0).abs() < 1e-12);
@@ -492,8 +497,8 @@ pub fn deposit(paths: &[ToolPath], options: &DepositionOptions) -> Result<Deposi
 /// use curvlay_toolpath::deposit::{DepositionOptions, deposit_along};
 /// use curvlay_toolpath::orientation::{Pose, ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
-/// let direction = Vector3::z_axis();
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.5), direction, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
+/// let axis = Vector3::z_axis();
+/// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.5), axis, width: 0.8, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
 /// let path = |from, to| ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(from), at(to)] };
 /// let above = |x| Pose { tip: Point3::new(x, 0.0, 3.5), direction: Vector3::z_axis() };
 /// let ways = [Vec::new(), vec![above(10.0), above(20.0)]];
@@ -533,8 +538,8 @@ fn planned(
             return Err(DepositionError::FewWaypoints { path, waypoints: waypoints.len() });
         }
         let sound = |w: &Waypoint| {
-            let unit = (w.direction.norm_squared() - 1.0).abs() < 1e-6;
-            unit && w.tip.iter().chain([&w.arc]).all(|n| n.is_finite())
+            let unit = (w.axis.norm_squared() - 1.0).abs() < 1e-6;
+            unit && w.position.iter().chain([&w.arc]).all(|n| n.is_finite())
                 && [w.width, w.height].iter().all(|&n| n > 0.0 && n.is_finite())
         };
         let back = |k: usize| k > 0 && waypoints[k].arc < waypoints[k - 1].arc;
@@ -542,6 +547,7 @@ fn planned(
             return Err(DepositionError::BadWaypoint { path, waypoint });
         }
     }
+    // All input is sound from here on.
     let plan = Deposition { of_path: vec![0.0; paths.len()], ..Deposition::default() };
     let mut planner = Planner { options, plan, at: None };
     for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {

@@ -115,7 +115,7 @@ pub enum ShellError {
 /// use std::ops::ControlFlow::Continue;
 /// // A wall of 40 beads on each other, 20 mm long and 0.4 mm wide; its side is 0.2 mm beside their middles.
 /// let at = |x, z| Waypoint {
-///     tip: Point3::new(x, 0.0, z), direction: Vector3::z_axis(), width: 0.4, height: 0.2, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+///     position: Point3::new(x, 0.0, z), axis: Vector3::z_axis(), width: 0.4, height: 0.2, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
 /// };
 /// let path = |k: u32| {
 ///     let z = 0.2 * f64::from(k + 1);
@@ -217,7 +217,7 @@ fn corners(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<[Poin
 fn pieces(paths: &[ToolPath]) -> Result<Vec<[Section; 2]>, ShellError> {
     let is_sound = |at: &Waypoint| {
         let is_length = |value: f64| value > 0.0 && value <= MAX_COORDINATE_MM;
-        let places = at.tip.iter().chain(at.direction.iter()).chain(at.lift.iter());
+        let places = at.position.iter().chain(at.axis.iter()).chain(at.lift.iter());
         places.copied().all(|x| x.abs() <= MAX_COORDINATE_MM) && is_length(at.width) && is_length(at.height)
     };
     for (path, of_path) in paths.iter().enumerate() {

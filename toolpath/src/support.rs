@@ -94,7 +94,7 @@ impl UnsupportedPiece {
     /// use curvlay_toolpath::path::BeadKind;
     /// use curvlay_toolpath::support::UnsupportedPiece;
     /// let at = |x| Waypoint {
-    ///     tip: Point3::new(x, 0.0, 5.0), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+    ///     position: Point3::new(x, 0.0, 5.0), axis: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
     /// };
     /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(30.0)] };
     /// let piece = UnsupportedPiece { path: 0, arcs: [10.0, 12.0], tip: Point3::new(11.0, 0.0, 5.0) };
@@ -229,7 +229,7 @@ pub enum SupportError {
 /// use std::ops::ControlFlow;
 /// // A bead of 20 mm at the top of the first layer, and one of 30 mm on it that goes on into the air.
 /// let at = |x, z| Waypoint {
-///     tip: Point3::new(x, 0.0, z), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+///     position: Point3::new(x, 0.0, z), axis: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
 /// };
 /// let path = |layer, [from, to]: [f64; 2], z| ToolPath {
 ///     layer, curve: 0, closed: false, waypoints: vec![at(from, z), at(to, z)],
@@ -276,7 +276,7 @@ pub fn check_support(
 /// let vertices = [[0.0, 0.0, 5.0], [20.0, 0.0, 5.0], [20.0, 20.0, 5.0], [0.0, 20.0, 5.0]].map(Point3::from);
 /// let mould = Mould { vertices: &vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: 1.0 };
 /// let at = |x| Waypoint {
-///     tip: Point3::new(x, 10.0, 6.0), direction: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+///     position: Point3::new(x, 10.0, 6.0), axis: Vector3::z_axis(), width: 1.0, height: 1.0, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
 /// };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(2.0), at(30.0)] };
 /// let support = check_support_on_mould(&[path], &mould, 1.0, &SupportOptions::default(), &|_| ControlFlow::Continue(()))?;
@@ -338,7 +338,7 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
         let is_length = |value: f64| value > 0.0 && value <= MAX_COORDINATE_MM;
         for (k, at) in waypoints.iter().enumerate() {
             let before = waypoints[k.saturating_sub(1)].arc;
-            let is_place = at.tip.iter().chain(at.direction.iter()).all(|x| x.abs() <= MAX_COORDINATE_MM);
+            let is_place = at.position.iter().chain(at.axis.iter()).all(|x| x.abs() <= MAX_COORDINATE_MM);
             if !(is_place
                 && is_length(at.width)
                 && is_length(at.height)
@@ -407,6 +407,7 @@ impl DepositedBeads {
             segments.extend(path.waypoints.windows(2).map(segment));
         }
         let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
+        // Beads are looked up by their middle lines: from there to the edge is the core of the widest.
         let reach = max_mm + core.fold(0.0, f64::max);
         let grid = BeadGrid::new(segments.iter().map(|segment| &segment.ends), reach);
         DepositedBeads {
@@ -434,6 +435,7 @@ impl DepositedBeads {
             if hold != Hold::OnNothing || arcs[1] <= arcs[0] {
                 continue;
             }
+            // Runs alternate, so that before and after one on nothing there is another kind, of a closed path across its start as well.
             let (before, after) = match path.closed {
                 true => (runs.get((k + runs.len() - 1) % runs.len()), runs.get((k + 1) % runs.len())),
                 false => (k.checked_sub(1).and_then(|k| runs.get(k)), runs.get(k + 1)),
@@ -456,6 +458,7 @@ impl DepositedBeads {
             let [a, b] = &segment.ends;
             let is_judged = !(segment.kind.is_sparse() || segment.kind.is_bridge());
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
+            // A bead that is not judged is one piece: it is neither held nor on nothing.
             let steps = if is_judged { (length / self.step_mm).ceil().max(1.0) } else { 1.0 };
             for k in 0..steps as usize {
                 let hold = match is_judged {
@@ -470,6 +473,7 @@ impl DepositedBeads {
                 }
             }
         }
+        // A run over the start of a closed path is one: its arc goes on past the end.
         if path.closed && runs.len() > 1 && runs[0].0 == runs[runs.len() - 1].0 {
             let (_, [from, to]) = runs.remove(0);
             runs.iter_mut().last().into_iter().for_each(|last| last.1[1] += to - from);
@@ -487,6 +491,7 @@ impl DepositedBeads {
         if self.mould.as_ref().is_some_and(|mould| mould.has(at.middle, self.max_mm, is_below)) {
             return true;
         }
+        // Beads of its own layer do not carry: they lie beside it. Later paths are not there yet.
         let carries = |other: &u32| {
             let other = &self.segments[*other as usize];
             other.path < segment.path && other.layer != segment.layer && self.is_below(&other.ends, at)
@@ -503,6 +508,7 @@ impl DepositedBeads {
         let [a, b] = ends;
         // How far below the place it is, at its start and along it.
         let drops = [a, b].map(|end| (at.middle - end.middle).dot(&at.direction) - self.drop_mm);
+        // A segment that leans may be far enough below along a part of it only: there its nearest point is looked for.
         let crossing = drops[0] / (drops[0] - drops[1]);
         let [low, high] = match drops.map(|drop| drop >= 0.0) {
             [true, true] => [0.0, 1.0],
@@ -535,7 +541,7 @@ fn place_at(path: &ToolPath, arc: f64) -> ([&Waypoint; 2], f64) {
 /// The tip there.
 fn tip_at(path: &ToolPath, arc: f64) -> Point3<f64> {
     let ([a, b], share) = place_at(path, arc);
-    a.tip + (b.tip - a.tip) * share
+    a.position + (b.position - a.position) * share
 }
 
 /// How far the tips of a piece are from the straight line between its ends, at most.
@@ -547,5 +553,5 @@ fn bend(path: &ToolPath, [from, to]: [f64; 2]) -> f64 {
         let share = (tip - start).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE);
         (tip - (start + way * share.clamp(0.0, 1.0))).norm()
     };
-    path.waypoints.iter().filter(|at| is_within(at.arc)).map(|at| off_line(&at.tip)).fold(0.0, f64::max)
+    path.waypoints.iter().filter(|at| is_within(at.arc)).map(|at| off_line(&at.position)).fold(0.0, f64::max)
 }

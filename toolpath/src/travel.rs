@@ -151,9 +151,9 @@ impl LayerStack<'_> {
     /// let (triangles, spacing) = ([[0, 1, 2], [0, 2, 3]], [0.8; 2]);
     /// let layers = [&wall, &floor].map(|vertices| BuiltLayer { vertices, triangles: &triangles, spacing: &spacing, curves: &[] });
     /// let line = |x: [f64; 2]| {
-    ///     let (direction, added) = (Vector3::z_axis(), false);
+    ///     let (axis, added) = (Vector3::z_axis(), false);
     ///     let tip = |x| Point3::new(x, 10.0, 0.8);
-    ///     let at = |x, arc| Waypoint { tip: tip(x), direction, width: 0.8, height: 0.8, arc, added, lift: Vector3::zeros(), kind: BeadKind::Wall };
+    ///     let at = |x, arc| Waypoint { position: tip(x), axis, width: 0.8, height: 0.8, arc, added, lift: Vector3::zeros(), kind: BeadKind::Wall };
     ///     ToolPath { layer: 1, curve: 0, closed: false, waypoints: vec![at(x[0], 0.0), at(x[1], 5.0)] }
     /// };
     /// let (nozzle, options) = (Nozzle::default(), TravelOptions::default());
@@ -236,7 +236,7 @@ struct Finder<'a> {
 }
 
 fn lifted(waypoint: &Waypoint, by: f64) -> Pose {
-    Pose { tip: waypoint.tip + waypoint.direction.into_inner() * by, direction: waypoint.direction }
+    Pose { tip: waypoint.position + waypoint.axis.into_inner() * by, direction: waypoint.axis }
 }
 
 /// How long a way is. The lifts at its ends count, too.
@@ -292,7 +292,7 @@ impl Finder<'_> {
             let Pose { tip, direction } = ends[k];
             let turns = along(&direction, &Vector3::z_axis(), 0.5).is_some();
             let over = Pose { tip: Point3::new(tip.x, tip.y, top), direction: Vector3::z_axis() };
-            (turns && top - starts[k].tip.z <= self.options.max_lift).then_some((tip.z < top).then_some(over))
+            (turns && top - starts[k].position.z <= self.options.max_lift).then_some((tip.z < top).then_some(over))
         };
         let (one, other) = (up(0)?, up(1)?);
         one.or(other)?;

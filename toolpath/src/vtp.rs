@@ -27,8 +27,8 @@ use std::io::{self, BufWriter, Write};
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
 /// use curvlay_toolpath::vtp::write_paths_vtp;
-/// let (direction, kind) = (Vector3::z_axis(), BeadKind::Wall);
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.3), direction, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
+/// let (axis, kind) = (Vector3::z_axis(), BeadKind::Wall);
+/// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.3), axis, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
 /// let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] };
 /// let mut file = Vec::new();
 /// write_paths_vtp(&[path], &[], &mut file)?;
@@ -41,46 +41,7 @@ pub fn write_paths_vtp(paths: &[ToolPath], moves: &[Move], out: impl Write) -> i
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "more than 2^31 waypoints"));
     }
     let times = times(paths, moves);
-    let waypoints = || paths.iter().flat_map(|path| &path.waypoints);
-    let ends = || {
-        paths.iter().scan(0, |end, path| {
-            *end += path.waypoints.len() as i32;
-            Some(*end)
-        })
-    };
-    let groups = [
-        (
-            "PointData",
-            vec![
-                Array::new("width_mm", FLOAT, 1, points, |out| floats(waypoints().map(|w| w.width), out)),
-                Array::new("height_mm", FLOAT, 1, points, |out| floats(waypoints().map(|w| w.height), out)),
-                Array::new("direction", FLOAT, 3, points, |out| {
-                    floats(waypoints().flat_map(|w| [w.direction.x, w.direction.y, w.direction.z]), out)
-                }),
-                Array::new("time_s", FLOAT, 1, points, |out| bytes(times.iter().map(|time| time.to_le_bytes()), out)),
-                Array::new("kind", ("UInt8", 1), 1, points, |out| bytes(waypoints().map(|w| [number(w.kind)]), out)),
-            ],
-        ),
-        (
-            "CellData",
-            vec![Array::new("layer", ("UInt32", 4), 1, paths.len(), |out| {
-                bytes(paths.iter().map(|path| (path.layer + 1).to_le_bytes()), out)
-            })],
-        ),
-        (
-            "Points",
-            vec![Array::new("points", FLOAT, 3, points, |out| {
-                floats(waypoints().flat_map(|w| [w.tip.x, w.tip.y, w.tip.z]), out)
-            })],
-        ),
-        (
-            "Lines",
-            vec![
-                Array::new("connectivity", INT, 1, points, |out| bytes((0..points as i32).map(i32::to_le_bytes), out)),
-                Array::new("offsets", INT, 1, paths.len(), |out| bytes(ends().map(i32::to_le_bytes), out)),
-            ],
-        ),
-    ];
+    let groups = groups(paths, points, &times);
     let mut out = BufWriter::new(out);
     write!(
         out,
@@ -89,8 +50,71 @@ pub fn write_paths_vtp(paths: &[ToolPath], moves: &[Move], out: impl Write) -> i
          NumberOfPolys=\"0\">\n",
         paths.len()
     )?;
+    declare(&groups, &mut out)?;
+    write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
+    // In the order in which they are declared: the offsets there count on it.
+    for array in groups.iter().flat_map(|(_, arrays)| arrays) {
+        out.write_all(&(array.bytes() as u64).to_le_bytes())?;
+        (array.fill)(&mut out)?;
+    }
+    out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+    out.flush()
+}
+
+/// The arrays of the file, by the elements that hold them.
+fn groups<'a>(paths: &'a [ToolPath], points: usize, times: &'a [f32]) -> [(&'static str, Vec<Array<'a>>); 4] {
+    let waypoints = move || paths.iter().flat_map(|path| &path.waypoints);
+    let ends = move || {
+        paths.iter().scan(0, |end, path| {
+            *end += path.waypoints.len() as i32;
+            Some(*end)
+        })
+    };
+    [
+        (
+            "PointData",
+            vec![
+                Array::new("width_mm", FLOAT, 1, points, move |out| floats(waypoints().map(|w| w.width), out)),
+                Array::new("height_mm", FLOAT, 1, points, move |out| floats(waypoints().map(|w| w.height), out)),
+                Array::new("direction", FLOAT, 3, points, move |out| {
+                    floats(waypoints().flat_map(|w| [w.axis.x, w.axis.y, w.axis.z]), out)
+                }),
+                Array::new("time_s", FLOAT, 1, points, move |out| {
+                    bytes(times.iter().map(|time| time.to_le_bytes()), out)
+                }),
+                Array::new("kind", ("UInt8", 1), 1, points, move |out| {
+                    bytes(waypoints().map(|w| [number(w.kind)]), out)
+                }),
+            ],
+        ),
+        (
+            "CellData",
+            vec![Array::new("layer", ("UInt32", 4), 1, paths.len(), move |out| {
+                bytes(paths.iter().map(|path| (path.layer + 1).to_le_bytes()), out)
+            })],
+        ),
+        (
+            "Points",
+            vec![Array::new("points", FLOAT, 3, points, move |out| {
+                floats(waypoints().flat_map(|w| [w.position.x, w.position.y, w.position.z]), out)
+            })],
+        ),
+        (
+            "Lines",
+            vec![
+                Array::new("connectivity", INT, 1, points, move |out| {
+                    bytes((0..points as i32).map(i32::to_le_bytes), out)
+                }),
+                Array::new("offsets", INT, 1, paths.len(), move |out| bytes(ends().map(i32::to_le_bytes), out)),
+            ],
+        ),
+    ]
+}
+
+/// Names and types of all arrays, and where in the appended data each begins.
+fn declare(groups: &[(&str, Vec<Array>)], out: &mut impl Write) -> io::Result<()> {
     let mut offset = 0;
-    for (group, arrays) in &groups {
+    for (group, arrays) in groups {
         writeln!(out, "<{group}>")?;
         for array in arrays {
             let Array { name, of: (kind, _), components, .. } = array;
@@ -100,13 +124,7 @@ pub fn write_paths_vtp(paths: &[ToolPath], moves: &[Move], out: impl Write) -> i
         }
         writeln!(out, "</{group}>")?;
     }
-    write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
-    for array in groups.iter().flat_map(|(_, arrays)| arrays) {
-        out.write_all(&(array.bytes() as u64).to_le_bytes())?;
-        (array.fill)(&mut out)?;
-    }
-    out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
-    out.flush()
+    Ok(())
 }
 
 /// Types of arrays, with the bytes of a number.

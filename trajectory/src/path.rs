@@ -261,19 +261,7 @@ pub fn timed_path(
     timing: Timing<'_>,
     options: &PathOptions,
 ) -> Result<TimedPath, PathError> {
-    let given = match timing {
-        Timing::Given(times) => times.len(),
-        Timing::Feed(_) => positions.len(),
-    };
-    if normals.len() != positions.len() || given != positions.len() {
-        return Err(PathError::Count { positions: positions.len(), normals: normals.len(), times: given });
-    }
-    let feed = if let Timing::Feed(feed) = timing { feed } else { 1.0 };
-    for (what, value) in [("feed", feed), ("repeat", options.repeat), ("jump", options.jump), ("flip", options.flip)] {
-        if value.is_nan() || value <= 0.0 || (what == "feed" && value.is_infinite()) {
-            return Err(PathError::Option { what, value });
-        }
-    }
+    check(positions, normals, timing, options)?;
     let mut sorter = Sorter { path: TimedPath { segments: Vec::new(), defects: Vec::new() }, open: PathSegment::NONE };
     for (waypoint, (&position, normal)) in positions.iter().zip(normals).enumerate() {
         let time = if let Timing::Given(times) = timing { times[waypoint] } else { 0.0 };
@@ -287,36 +275,38 @@ pub fn timed_path(
             sorter.split(Defect::NoNormal { waypoint });
             continue;
         };
-        let mut stamp = if let Timing::Given(_) = timing { time } else { 0.0 };
-        if let (Some(before), Some(normal_before), Some(&time_before)) =
-            (sorter.open.positions.last(), sorter.open.normals.last(), sorter.open.times.last())
-        {
-            let distance = (position - before).norm();
-            let angle = normal_before.angle(&normal);
-            if let Timing::Feed(feed) = timing {
-                stamp = time_before + distance / feed;
-            }
-            if angle > options.flip {
-                sorter.split(Defect::Flip { waypoint, angle });
-            } else if distance < options.repeat {
-                sorter.path.defects.push(Defect::Repeated { waypoint, distance });
-                continue;
-            } else if distance > options.jump {
-                sorter.split(Defect::Jump { waypoint, distance });
-            } else if stamp <= time_before {
-                sorter.split(Defect::Time { waypoint, time: stamp, before: time_before });
-            }
-            if let (Timing::Feed(_), true) = (timing, sorter.open.times.is_empty()) {
-                stamp = 0.0;
-            }
+        if let Some(stamp) = sorter.stamp(waypoint, &position, &normal, timing, options) {
+            sorter.open.waypoints.push(waypoint);
+            sorter.open.positions.push(position);
+            sorter.open.normals.push(normal);
+            sorter.open.times.push(stamp);
         }
-        sorter.open.waypoints.push(waypoint);
-        sorter.open.positions.push(position);
-        sorter.open.normals.push(normal);
-        sorter.open.times.push(stamp);
     }
     sorter.close();
     Ok(sorter.path)
+}
+
+/// Whether the lists fit each other and the options are sound.
+fn check(
+    positions: &[Point3<f64>],
+    normals: &[Vector3<f64>],
+    timing: Timing<'_>,
+    options: &PathOptions,
+) -> Result<(), PathError> {
+    let given = match timing {
+        Timing::Given(times) => times.len(),
+        Timing::Feed(_) => positions.len(),
+    };
+    if normals.len() != positions.len() || given != positions.len() {
+        return Err(PathError::Count { positions: positions.len(), normals: normals.len(), times: given });
+    }
+    let feed = if let Timing::Feed(feed) = timing { feed } else { 1.0 };
+    for (what, value) in [("feed", feed), ("repeat", options.repeat), ("jump", options.jump), ("flip", options.flip)] {
+        if value.is_nan() || value <= 0.0 || (what == "feed" && value.is_infinite()) {
+            return Err(PathError::Option { what, value });
+        }
+    }
+    Ok(())
 }
 
 impl PathSegment {
@@ -331,6 +321,43 @@ struct Sorter {
 }
 
 impl Sorter {
+    /// The time of a waypoint, in a new segment if it does not go with the one before; `None` for one that is left out, since it is where
+    /// that is.
+    fn stamp(
+        &mut self,
+        waypoint: usize,
+        position: &Point3<f64>,
+        normal: &UnitVector3<f64>,
+        timing: Timing<'_>,
+        options: &PathOptions,
+    ) -> Option<f64> {
+        let mut stamp = if let Timing::Given(times) = timing { times[waypoint] } else { 0.0 };
+        let open = &self.open;
+        let (Some(before), Some(normal_before), Some(&time_before)) =
+            (open.positions.last(), open.normals.last(), open.times.last())
+        else {
+            return Some(stamp);
+        };
+        let distance = (position - before).norm();
+        let angle = normal_before.angle(normal);
+        if let Timing::Feed(feed) = timing {
+            stamp = time_before + distance / feed;
+        }
+        if angle > options.flip {
+            self.split(Defect::Flip { waypoint, angle });
+        } else if distance < options.repeat {
+            self.path.defects.push(Defect::Repeated { waypoint, distance });
+            return None;
+        } else if distance > options.jump {
+            self.split(Defect::Jump { waypoint, distance });
+        } else if stamp <= time_before {
+            self.split(Defect::Time { waypoint, time: stamp, before: time_before });
+        }
+        // A segment that begins here begins at zero, unless times are given.
+        let begins = matches!(timing, Timing::Feed(_)) && self.open.times.is_empty();
+        Some(if begins { 0.0 } else { stamp })
+    }
+
     fn split(&mut self, defect: Defect) {
         self.close();
         self.path.defects.push(defect);

@@ -12,6 +12,6 @@ pub struct Progress {
     pub stage: &'static str,
     /// Units of work finished in this stage.
     pub done: u64,
-    /// Units of work in this stage; 0 when nobody knows.
+    /// Units of work in this stage; 0 when unknown.
     pub total: u64,
 }

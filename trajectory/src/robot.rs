@@ -14,6 +14,17 @@ pub enum FreeRange {
     Within(f64, f64),
 }
 
+impl FreeRange {
+    /// How many samples are different: as many as wanted, but one where the range holds a single value, such as the tilt of a table that only
+    /// turns.
+    pub(crate) fn samples(self, wanted: u32) -> u32 {
+        match self {
+            FreeRange::Within(least, most) if most <= least => wanted.min(1),
+            FreeRange::Turn | FreeRange::Within(..) => wanted,
+        }
+    }
+}
+
 /// Joints at a waypoint, and how they follow the free parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Posture<const N: usize, const F: usize> {

@@ -125,67 +125,89 @@ pub(crate) fn fill(
     let (blocked, all_walls) = capped.map_or((&*cells, walls), |capped| (&capped.cells, &capped.walls));
     let mut pieces = Pieces::new(blocked, all_walls, lattice.dims);
     let samples = pieces.samples();
-    let mut found = Inside { pieces: samples.len(), ..Inside::default() };
     let few = samples.len() <= TREE_PIECES;
     if !few || capped.is_some() {
         surface.winding.plant();
         surface.caps_winding.plant();
     }
-    let surface = &*surface;
-    let ny = lattice.dims[1];
-    let origin = lattice.origin();
-    let centre = |row: u32, x: u32| {
-        let steps = Vector3::new(f64::from(x), f64::from(row % ny), f64::from(row / ny));
-        surface.to_winding(origin + (steps + Vector3::repeat(0.5)) * lattice.cell)
-    };
+    let found = Inside { pieces: samples.len(), ..Inside::default() };
+    let mut filling = Filling { cells, surface, lattice, found };
     // Of each root the whole number of its piece.
     let mut numbers = vec![0; pieces.parents.len()];
     for (done, &(root, [row, x])) in samples.iter().enumerate() {
         go_on(done as u64, samples.len() as u64)?;
-        numbers[root as usize] = surface.whole(&centre(row, x), few);
+        numbers[root as usize] = filling.surface.whole(&filling.centre(row, x), few);
     }
-
     let rows = pieces.starts.len() - 1;
     for row in 0..rows {
         if capped.is_some() && row % 64 == 0 {
             go_on(row as u64, rows as u64)?;
         }
-        let at = row as u32;
         for index in pieces.starts[row]..pieces.starts[row + 1] {
             let Run { first, end } = pieces.runs[index as usize];
-            let (first, end) = (u32::from(first), u32::from(end));
-            let number = numbers[pieces.root(index + 1) as usize];
-            if capped.is_none() {
-                found.take(cells, row, [first, end], f64::from(number));
-                continue;
-            }
-            for first in (first..end).step_by(CHUNK) {
-                let end = end.min(first + CHUNK as u32);
-                if surface.is_far_from_caps(&centre(at, first), &centre(at, end - 1)) {
-                    found.take(cells, row, [first, end], f64::from(number));
-                } else {
-                    for x in first..end {
-                        let winding = f64::from(number) - surface.caps_winding.fast(&centre(at, x));
-                        found.take(cells, row, [x, x + 1], winding);
-                    }
-                    found.asked_singly += u64::from(end - first);
-                }
+            let ends = [u32::from(first), u32::from(end)];
+            let number = f64::from(numbers[pieces.root(index + 1) as usize]);
+            match capped {
+                None => filling.found.take(filling.cells, row, ends, number),
+                Some(_) => filling.take_beside_caps(row, ends, number),
             }
         }
         if let Some(capped) = capped {
-            let mut only_caps = capped.cells.row(row).to_vec();
-            only_caps.iter_mut().zip(capped.touched.row(row)).for_each(|(caps, touched)| *caps &= !touched);
-            for x in runs(&only_caps).flat_map(|(first, end)| first..end) {
-                found.take(cells, row, [x, x + 1], surface.winding.fast(&centre(at, x)));
-                found.asked_singly += 1;
-            }
+            filling.take_in_caps(row, capped);
         }
     }
+    let Filling { cells, mut found, .. } = filling;
     if let Some(capped) = capped {
         found.leak_faces = leak_faces(&capped.touched, cells, walls, lattice.dims);
         found.leak_faces += leak_faces_to_outside(&capped.touched, cells, &capped.ends, lattice.dims);
     }
     Some(found)
+}
+
+/// Cells that are being filled.
+struct Filling<'a> {
+    cells: &'a mut Bits,
+    surface: &'a Surface,
+    lattice: &'a Lattice,
+    found: Inside,
+}
+
+impl Filling<'_> {
+    /// The centre of a cell, in the coordinates of the winding numbers.
+    fn centre(&self, row: u32, x: u32) -> Point3<f64> {
+        let ny = self.lattice.dims[1];
+        let steps = Vector3::new(f64::from(x), f64::from(row % ny), f64::from(row / ny));
+        self.surface.to_winding(self.lattice.origin() + (steps + Vector3::repeat(0.5)) * self.lattice.cell)
+    }
+
+    /// Takes cells of a run of a surface with caps, `number` being that of surface and caps together: all at once far from the caps, where
+    /// these cannot decide, and one by one near them.
+    fn take_beside_caps(&mut self, row: usize, [first, end]: [u32; 2], number: f64) {
+        let at = row as u32;
+        for first in (first..end).step_by(CHUNK) {
+            let end = end.min(first + CHUNK as u32);
+            if self.surface.is_far_from_caps(&self.centre(at, first), &self.centre(at, end - 1)) {
+                self.found.take(self.cells, row, [first, end], number);
+                continue;
+            }
+            for x in first..end {
+                let winding = number - self.surface.caps_winding.fast(&self.centre(at, x));
+                self.found.take(self.cells, row, [x, x + 1], winding);
+            }
+            self.found.asked_singly += u64::from(end - first);
+        }
+    }
+
+    /// Takes cells of a row that a cap touches and the surface does not. They are in no piece.
+    fn take_in_caps(&mut self, row: usize, capped: &Capped) {
+        let mut only_caps = capped.cells.row(row).to_vec();
+        only_caps.iter_mut().zip(capped.touched.row(row)).for_each(|(caps, touched)| *caps &= !touched);
+        for x in runs(&only_caps).flat_map(|(first, end)| first..end) {
+            let winding = self.surface.winding.fast(&self.centre(row as u32, x));
+            self.found.take(self.cells, row, [x, x + 1], winding);
+            self.found.asked_singly += 1;
+        }
+    }
 }
 
 impl Inside {

@@ -1,6 +1,6 @@
 //! A mesh that was looked through, the cells that it gives for one size and place of the grid, and what was found on the way.
 
-use crate::boundary::{Cap, caps, open_edges, sides, welded};
+use crate::boundary::{Cap, OpenEdge, caps, open_edges, sides, welded};
 use crate::grid::zeroed;
 use crate::interior::{self, Capped, Inside, Surface};
 use crate::lattice::{Lattice, TooFineOr};
@@ -149,79 +149,114 @@ impl Trial {
     }
 }
 
+/// Whether there are triangles, and vertices for them that a grid can hold.
+fn check(vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), VoxelError> {
+    if triangles.is_empty() {
+        return Err(VoxelError::NoTriangle);
+    }
+    let usable = |at: &Point3<f64>| at.iter().all(|c| c.abs() <= MAX_COORDINATE);
+    if let Some(vertex) = vertices.iter().position(|at| !usable(at)) {
+        return Err(VoxelError::BadVertex { vertex, position: vertices[vertex].into() });
+    }
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
+            return Err(VoxelError::BadIndex { triangle, index, vertices: vertices.len() });
+        }
+    }
+    Ok(())
+}
+
+/// The triangles of a mesh that count, and the edges where they are open.
+struct Sound {
+    triangles: Vec<[u32; 3]>,
+    open: Vec<OpenEdge>,
+}
+
+impl Sound {
+    /// Leaves out triangles without area, and those that are so narrow that single precision makes nothing of them, if they hang on no other.
+    fn of(vertices: &[Point3<f64>], triangles: &[[u32; 3]], welded: &[u32]) -> Self {
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| vertices[corner as usize]);
+        let mut sound: Vec<_> =
+            triangles.iter().copied().filter(|triangle| has_area(&corners(triangle), f64::EPSILON)).collect();
+        let mut open = open_edges(welded, sound.iter().copied());
+        if open.is_empty() {
+            return Sound { triangles: sound, open };
+        }
+        let rising = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+        let is_open = |ends: [u32; 2]| open.binary_search_by_key(&rising(ends), |edge| rising(edge.ends)).is_ok();
+        let loose =
+            |triangle: &[u32; 3]| sides(triangle.map(|corner| welded[corner as usize])).into_iter().all(is_open);
+        sound.retain(|triangle| has_area(&corners(triangle), f64::from(f32::EPSILON)) || !loose(triangle));
+        open = open_edges(welded, sound.iter().copied());
+        if !open.is_empty() && open_edges(welded, triangles.iter().copied()).is_empty() {
+            // A triangle without area stands between two that do not share their corners.
+            open.clear();
+        }
+        Sound { triangles: sound, open }
+    }
+}
+
+/// Low and high corner of the box around points.
+fn bounds(points: impl Iterator<Item = Point3<f64>>) -> [Point3<f64>; 2] {
+    let none = Vector3::repeat(f64::INFINITY);
+    let (low, high) = points.fold((none, -none), |(low, high), at| (low.inf(&at.coords), high.sup(&at.coords)));
+    [low, high].map(Point3::from)
+}
+
+/// Volume of closed triangles, by pyramids whose apex is the middle of the unit box, and their area.
+fn volume_and_area(triangles: &[[Point3<f64>; 3]]) -> [f64; 2] {
+    let (mut volume, mut area) = (0.0, 0.0);
+    for [a, b, c] in triangles {
+        let normal = (b - a).cross(&(c - a));
+        let from = a - Point3::new(0.5, 0.5, 0.5);
+        volume += from.dot(&normal) / 6.0;
+        area += normal.norm() / 2.0;
+    }
+    [volume, area]
+}
+
+/// The triangles of caps: from the apex of each to its edges.
+fn fans(caps: &[Cap], vertices: &[Point3<f64>]) -> Vec<[Point3<f64>; 3]> {
+    let fan = |cap: &Cap| {
+        let apex = cap.apex;
+        cap.edges.iter().map(move |&[a, b]| [apex, vertices[a as usize], vertices[b as usize]]).collect::<Vec<_>>()
+    };
+    caps.iter().flat_map(fan).collect()
+}
+
 impl<'a> Solid<'a> {
+    /// Looks a mesh through: turns its triangles outwards, leaves out those without area, and closes its holes by caps.
     pub(crate) fn new(
         vertices: &'a [Point3<f64>],
         triangles: &[[u32; 3]],
         max_bytes: u64,
         progress: ProgressFn<'a>,
     ) -> Result<Self, VoxelError> {
-        if triangles.is_empty() {
-            return Err(VoxelError::NoTriangle);
-        }
-        let usable = |at: &Point3<f64>| at.iter().all(|c| c.abs() <= MAX_COORDINATE);
-        if let Some(vertex) = vertices.iter().position(|at| !usable(at)) {
-            return Err(VoxelError::BadVertex { vertex, position: vertices[vertex].into() });
-        }
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
-                return Err(VoxelError::BadIndex { triangle, index, vertices: vertices.len() });
-            }
-        }
-        let corners = |triangle: &[u32; 3]| triangle.map(|corner| vertices[corner as usize]);
+        check(vertices, triangles)?;
         let welded = welded(vertices);
         let Oriented { triangles, report: orientation } = orient_welded(vertices, triangles, &welded)?;
-        let triangles = &triangles;
-        let mut sound: Vec<_> =
-            triangles.iter().copied().filter(|triangle| has_area(&corners(triangle), f64::EPSILON)).collect();
-        let mut open = open_edges(&welded, sound.iter().copied());
-        if !open.is_empty() {
-            let rising = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
-            let is_open = |ends: [u32; 2]| open.binary_search_by_key(&rising(ends), |edge| rising(edge.ends)).is_ok();
-            let loose =
-                |triangle: &[u32; 3]| sides(triangle.map(|corner| welded[corner as usize])).into_iter().all(is_open);
-            sound.retain(|triangle| has_area(&corners(triangle), f64::from(f32::EPSILON)) || !loose(triangle));
-            open = open_edges(&welded, sound.iter().copied());
-            if !open.is_empty() && open_edges(&welded, triangles.iter().copied()).is_empty() {
-                // A triangle without area stands between two that do not share their corners.
-                open.clear();
-            }
-        }
+        let Sound { triangles: sound, open } = Sound::of(vertices, &triangles, &welded);
         let dropped = triangles.len() - sound.len();
         if sound.is_empty() {
             return Err(VoxelError::NoArea { dropped });
         }
-        let none = Vector3::repeat(f64::INFINITY);
-        let (low, high) = sound
-            .iter()
-            .flat_map(corners)
-            .fold((none, -none), |(low, high), at| (low.inf(&at.coords), high.sup(&at.coords)));
-        let (low, high, size) = (Point3::from(low), Point3::from(high), (high - low).max());
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| vertices[corner as usize]);
+        let [low, high] = bounds(sound.iter().flat_map(corners));
+        let size = (high - low).max();
         let in_box = |at: Point3<f64>| Point3::from((at - low) / size);
-        let winding: Vec<_> = sound.iter().map(|triangle| corners(triangle).map(in_box)).collect();
-        let (mut volume, mut area) = (0.0, 0.0);
-        for [a, b, c] in &winding {
-            let normal = (b - a).cross(&(c - a));
-            let from = a - Point3::new(0.5, 0.5, 0.5);
-            volume += from.dot(&normal) / 6.0;
-            area += normal.norm() / 2.0;
-        }
-        let boxed: Vec<_> = if open.is_empty() { Vec::new() } else { vertices.iter().map(|at| in_box(*at)).collect() };
-        let caps = caps(&boxed, &open);
-        let fan = |cap: &Cap| {
-            let apex = cap.apex;
-            cap.edges.iter().map(move |&[a, b]| (apex, a, b)).collect::<Vec<_>>()
-        };
-        let fans = caps.iter().flat_map(fan).map(|(apex, a, b)| [apex, boxed[a as usize], boxed[b as usize]]);
-        let surface =
-            Surface { winding: Winding::new(winding), caps_winding: Winding::new(fans.collect()), caps, low, size };
+        let boxed: Vec<_> = sound.iter().map(|triangle| corners(triangle).map(in_box)).collect();
+        let [volume, area] = volume_and_area(&boxed);
+        // Only caps need the vertices, and only an open surface has any.
+        let ends: Vec<_> = if open.is_empty() { Vec::new() } else { vertices.iter().map(|at| in_box(*at)).collect() };
+        let caps = caps(&ends, &open);
+        let caps_winding = Winding::new(fans(&caps, &ends));
         Ok(Solid {
             vertices,
             triangles: sound,
             dropped,
             orientation,
             open_edges: open.len(),
-            surface,
+            surface: Surface { winding: Winding::new(boxed), caps_winding, caps, low, size },
             high,
             max_bytes,
             progress,

@@ -2,10 +2,10 @@
 
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
-use curvlay_examples::input;
-use curvlay_examples::motion::{TABLE_CELL, UR3_CELL, link_mesh, programs};
-use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, WorkcellModel};
-use std::path::{Path, PathBuf};
+use curvlay_examples::motion::{TABLE_CELL, UR3_CELL, programs, workcell_model, workcell_of};
+use curvlay_kinematics::robots::Maker;
+use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, ProgramLanguage, WorkcellModel};
+use std::path::PathBuf;
 
 /// A nozzle with a longer cone than that of the workcell has a block of this height at least, in millimetres.
 const MIN_BLOCK_MM: f64 = 1.0;
@@ -17,11 +17,12 @@ pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
     #[arg(long, conflicts_with = "workcell")]
     pub cell8: bool,
-    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells)
-    #[arg(long, value_name = "FILE")]
+    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells), or in an assumed one around
+    /// an arm: its name (examples/cells/arms.json, such as ur10e) or a URDF
+    #[arg(long, value_name = "FILE|ARM")]
     pub workcell: Option<PathBuf>,
-    /// Format of the robot programs of stage motion [default: urscript for arms of Universal Robots, else rapid; csv for such an arm with
-    /// a table]
+    /// Format of the robot programs of stage motion [default: that of `controller.language` in the workcell's file, else that of the arm's maker:
+    /// urscript, rapid, krl or tp; csv for other makers and for an arm of Universal Robots with a table]
     #[arg(long, value_name = "FORMAT")]
     pub program: Option<ProgramFormat>,
     /// Maximum acceleration of the joints, in rad/s2; inf for no limit [default: that of the workcell; 10 in those that come along, which
@@ -53,7 +54,8 @@ pub struct MotionArgs {
     /// unknown is refused
     #[arg(long)]
     pub no_links: bool,
-    /// Maximum number of steps in a program file; a longer motion has a file of its own [default: 100000, for RAPID 5000]
+    /// Maximum number of steps in a program file; a longer motion has a file of its own [default: 100000; lines of urscript-movep 10000, moves of
+    /// rapid and krl 5000, of tp 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub program_steps: Option<u32>,
 }
@@ -63,8 +65,14 @@ pub struct MotionArgs {
 pub enum ProgramFormat {
     /// For arms of Universal Robots without a table: joints 125 times a second
     Urscript,
+    /// For the same: lines with blends, some hundred a minute, which stay within 0.1 mm of the path; the controller makes the joints itself
+    UrscriptMovep,
     /// For ABB arms: targets on the part, with the axes of a table
     Rapid,
+    /// For KUKA arms (KSS 8): the same targets
+    Krl,
+    /// For Fanuc arms, as ASCII: the same targets
+    Tp,
     /// The same steps with every digit, for other programs
     Csv,
     /// None
@@ -74,15 +82,10 @@ pub enum ProgramFormat {
 impl MotionArgs {
     /// The workcell; with another nozzle, if one was asked for.
     pub fn cell(&self, nozzle: Option<[f64; 4]>) -> Result<AnyWorkcell, Failure> {
-        let named = |error: String| match &self.workcell {
-            Some(file) => Failure::new(format!("{}: {error}", file.display())),
-            None => Failure::new(error),
+        let mut model = match &self.workcell {
+            Some(given) => workcell_model(given)?,
+            None => WorkcellModel::from_json(if self.cell8 { TABLE_CELL } else { UR3_CELL }.as_bytes())?,
         };
-        let text = match &self.workcell {
-            Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
-            None => if self.cell8 { TABLE_CELL } else { UR3_CELL }.to_owned(),
-        };
-        let mut model = WorkcellModel::from_json(text.as_bytes()).map_err(|error| named(error.to_string()))?;
         if let Some([tip, angle, height, block]) = nozzle {
             let shape = &mut model.nozzle;
             (shape.tip_flat_mm, shape.cone_half_angle_deg) = (tip, angle);
@@ -92,9 +95,7 @@ impl MotionArgs {
         if let Some(allowance_mm) = self.link_allowance {
             model.arm.allowance_mm = allowance_mm;
         }
-        let folder = self.workcell.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        AnyWorkcell::with_link_meshes(model, &mut |file| link_mesh(folder, file))
-            .map_err(|error| named(error.to_string()))
+        workcell_of(model, self.workcell.as_deref())
     }
 
     /// Refuses an arm without bodies, unless that is wanted.
@@ -105,22 +106,39 @@ impl MotionArgs {
         let file = self.workcell.as_ref().map_or_else(String::new, |file| format!("{}: ", file.display()));
         Err(Failure::new(format!(
             "{file}arm: the bodies of its links are not known, so no motion can be proven free of collisions; give `arm.bodies` \
-             (kinematics/docs/workcells.md), or --no-links to plan without"
+             (kinematics/docs/workcells.md; \"estimated\" makes thin tubes from the lengths), or --no-links to plan without"
         )))
     }
 
     /// The format that is wanted.
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
         let takes_stream = programs::takes_stream(cell.equipment());
+        let not_abb = cell.equipment().catalogue_arm().map(|arm| arm.maker).filter(|maker| *maker != Maker::Abb);
         let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
+        let of_cell = match cell.equipment().language() {
+            Some(ProgramLanguage::UrScript) => ProgramFormat::Urscript,
+            Some(ProgramLanguage::Rapid) => ProgramFormat::Rapid,
+            Some(ProgramLanguage::Krl) => ProgramFormat::Krl,
+            Some(ProgramLanguage::Tp) => ProgramFormat::Tp,
+            None => ProgramFormat::Csv,
+        };
+        use ProgramFormat::{Csv, Krl, None as Nothing, Rapid, Tp, Urscript, UrscriptMovep};
         match (self.program, takes_stream) {
-            (None, Ok(true)) => Ok(ProgramFormat::Urscript),
-            (None, Ok(false)) => Ok(ProgramFormat::Rapid),
-            (None, Err(_)) => Ok(ProgramFormat::Csv),
-            (Some(ProgramFormat::Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
-            (Some(ProgramFormat::Urscript), Err(why)) => refused(&format!("urscript: {why}")),
-            (Some(ProgramFormat::Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
-            (Some(format), _) => Ok(format),
+            (None, Ok(_)) => Ok(of_cell),
+            (None, Err(_)) => Ok(Csv),
+            (Some(Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
+            (Some(UrscriptMovep), Ok(false)) => refused("urscript-movep: only for arms of Universal Robots"),
+            (Some(Urscript | UrscriptMovep), Err(why)) => refused(&format!("urscript: {why}")),
+            (Some(Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
+            (Some(Rapid), Ok(false))
+                if of_cell != Rapid
+                    && let Some(maker) = not_abb =>
+            {
+                refused(&format!("rapid: only for ABB arms, not for one of {}", maker.name()))
+            }
+            (Some(Krl), Ok(true) | Err(_)) => refused("krl: only for KUKA arms, not for a UR"),
+            (Some(Tp), Ok(true) | Err(_)) => refused("tp: only for Fanuc arms, not for a UR"),
+            (Some(format @ (Urscript | UrscriptMovep | Rapid | Krl | Tp | Csv | Nothing)), _) => Ok(format),
         }
     }
 }

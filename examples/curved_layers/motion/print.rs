@@ -136,7 +136,11 @@ impl Print<'_> {
     ) -> Result<(), Failure> {
         let Some(home) = run.home else { return Ok(()) };
         let robot = OnCell::new(run.cell.clone(), Vec::new());
-        let cuts = programs::cuts(&run.cell, &run.plan, run.format == ProgramFormat::Csv, self.args.program_steps);
+        let most = self.args.program_steps;
+        let cuts = match run.format {
+            ProgramFormat::UrscriptMovep => programs::blended_cuts(&run.cell, &run.plan, most),
+            format => programs::cuts(&run.cell, &run.plan, format == ProgramFormat::Csv, most),
+        };
         let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
         let start = Instant::now();
         run.plan = self.in_workcell((&run.cell, &run.frame_part), PLANNED_DEPTH, bars, |growing| {

@@ -4,9 +4,9 @@ use super::args::ProgramFormat;
 use super::planned::MotionRun;
 use crate::args::failure;
 use curvlay_examples::args::Failure;
-use curvlay_examples::motion::programs::pieces;
+use curvlay_examples::motion::programs::{pieces, program_name};
 use curvlay_examples::motion::read_back::ReadBack;
-use curvlay_kinematics::program::{CsvReader, ReadError, UrScriptReader, read_rapid};
+use curvlay_kinematics::program::{CsvReader, ReadError, UrScriptReader, read_krl, read_rapid, read_tp};
 use curvlay_kinematics::workcell::Workcell;
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -28,10 +28,11 @@ pub fn read_back<const N: usize, const F: usize, W: Workcell<N, F>>(
     for (number, piece) in pieces.iter().enumerate() {
         let numbered = |ending: &str| format!("print_{:03}.{ending}", number + 1);
         let name = match format {
-            ProgramFormat::Urscript => numbered("script"),
+            ProgramFormat::Urscript | ProgramFormat::UrscriptMovep => numbered("script"),
             ProgramFormat::Csv => numbered("csv"),
-            ProgramFormat::Rapid if pieces.len() == 1 => "print.mod".to_owned(),
-            ProgramFormat::Rapid => format!("print{}.mod", number + 1),
+            ProgramFormat::Rapid => format!("{}.mod", program_name(pieces.len(), number)),
+            ProgramFormat::Krl => format!("{}.src", program_name(pieces.len(), number)),
+            ProgramFormat::Tp => format!("{}.ls", program_name(pieces.len(), number)),
             ProgramFormat::None => break,
         };
         let refused = |error: ReadError| failure(format!("{name}, as it was written: {error}"));
@@ -39,6 +40,13 @@ pub fn read_back<const N: usize, const F: usize, W: Workcell<N, F>>(
         let (print, runs) = ((&run.cell, &run.plan, home), piece.clone());
         match format {
             ProgramFormat::Urscript => found.add(print, runs, UrScriptReader::new(file).map_err(refused)?),
+            ProgramFormat::UrscriptMovep => found.add_blended(print, runs, UrScriptReader::new(file).map_err(refused)?),
+            ProgramFormat::Krl => {
+                let data = name.replace(".src", ".dat");
+                let data = open(&data).map_err(|error| failure(format!("{data}: {error}")))?;
+                found.add(print, runs, read_krl(data, file, open).map_err(refused)?)
+            }
+            ProgramFormat::Tp => found.add(print, runs, read_tp(file, open).map_err(refused)?),
             ProgramFormat::Csv => found.add(print, runs, CsvReader::new(file).map_err(refused)?),
             ProgramFormat::Rapid | ProgramFormat::None => {
                 found.add(print, runs, read_rapid(file, open).map_err(refused)?)

@@ -91,7 +91,7 @@ fn missed(field: &FieldRun) -> Marks {
 fn found(run: &MachineRun) -> [Marks; 5] {
     let marks = |what: &str, colour, places: Vec<Mark>| Marks { what: what.to_owned(), colour, places };
     let at = |path: usize, at| Mark { at, path: Some(path as u32) };
-    let tip = |path: usize, waypoint: usize| run.resolved.paths[path].waypoints[waypoint].tip;
+    let tip = |path: usize, waypoint: usize| run.resolved.paths[path].waypoints[waypoint].position;
     let gouging = run.resolved.left.iter().map(|gouge| at(gouge.path, tip(gouge.path, gouge.waypoint)));
     let left_out = run.resolved.left_out.iter().map(|piece| Mark { at: piece.tip, path: None });
     let unsupported = run.support.unsupported.iter().map(|piece| at(piece.path, piece.tip));

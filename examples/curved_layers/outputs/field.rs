@@ -7,6 +7,7 @@ use crate::complete::LayersBy;
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::{Failure, Part, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
 use curvlay_examples::report::Report;
@@ -17,6 +18,7 @@ use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 /// Pixels of each picture.
 const PICTURE: [u32; 2] = [760, 680];
@@ -111,9 +113,17 @@ fn missed(run: &FieldRun, is: impl Fn(MissedReason) -> bool) -> usize {
 }
 
 pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
-    let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
+    of_part(args, part, run, summary)?;
+    of_order_options(args, run, summary)?;
+    of_settings(args, summary)?;
+    of_times(run, summary)?;
+    of_order(run, summary)
+}
+
+/// The part and its cells.
+fn of_part(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let grid = &run.solid.grid;
     let [nx, ny, nz] = grid.dims();
-    let [nozzle_growth, support] = args.complete.names(args.grow.strategy().is_none());
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("mesh", part.name.as_str())?
@@ -130,28 +140,34 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("nx", nx)?
         .set("ny", ny)?
         .set("nz", nz)?
-        .set("cells", grid.count())?
+        .set("cells", grid.count())?;
+    Ok(())
+}
+
+/// How the order was to be found, and on what.
+fn of_order_options(args: &Args, run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let [nozzle_growth, support] = args.complete.names(args.grow.strategy().is_none());
+    let named =
+        |path: &Option<PathBuf>| path.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string());
+    summary
         .set("coherent", args.coherent)?
         .set("eps_cells", args.grow.eps_cells)?
         .set("beyond_eps", args.grow.beyond_eps)?
         .set("layers_by", typed_name(args.layers_by()))?
         .set("nozzle_growth", nozzle_growth)?
-        .set("nozzle_max_tilt_deg", args.complete.max_tilt)?
+        .set("nozzle_max_tilt_deg", args.complete.max_tilt_deg)?
         .set(
             "max_layer_tilt_deg",
             args.complete.max_layer_tilt_deg.map_or("nozzle".to_owned(), |tilt| tilt.to_string()),
         )?
-        .set("nozzle_margin_cells", args.complete.nozzle_margin)?
+        .set("nozzle_margin_cells", args.complete.nozzle_margin_cells)?
         .set("support", support)?
-        .set("support_width_cells", args.complete.support_width)?
-        .set("support_contact_cells", args.complete.support_contact)?
-        .set("support_gap_cells", args.complete.support_gap)?
+        .set("support_width_cells", args.complete.support_width_cells)?
+        .set("support_contact_cells", args.complete.support_contact_cells)?
+        .set("support_gap_cells", args.complete.support_gap_cells)?
         .set("platform_diameter_mm", run.platform_diameter_mm())?
-        .set("base", args.base.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()))?
-        .set(
-            "directions",
-            args.directions.as_ref().map_or_else(|| "none".to_owned(), |path| path.display().to_string()),
-        )?
+        .set("base", named(&args.base))?
+        .set("directions", named(&args.directions))?
         .set("max_overhang_deg", args.max_overhang_deg.map_or("none".to_owned(), |degrees| degrees.to_string()))?
         .set("on", run.mould.as_ref().map_or("none", |mould| &mould.name))?
         .set("buried_mm3", run.buried_mm3)?
@@ -162,8 +178,13 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set("threads", args.common.threads)?
         .set("max_memory_gb", args.max_memory_gb)?
         .set_all(&args.allow)?
-        .set("profile", args.profile.as_ref().map_or("none".into(), |path| path.display().to_string()))?
-        .set("workcell", args.motion.workcell.as_ref().map_or("none".into(), |path| path.display().to_string()))?;
+        .set("profile", named(&args.profile))?
+        .set("workcell", named(&args.motion.workcell))?;
+    Ok(())
+}
+
+/// The settings of a profile.
+fn of_settings(args: &Args, summary: &mut Summary) -> Result<(), Failure> {
     // Those with values of the run come with their stage.
     let later = ["workcell", "layer_height_mm", "bead_mm", "nozzle", "platform_diameter_mm"];
     for (name, value) in args.settings.fields().into_iter().filter(|(name, _)| !later.contains(&name.as_str())) {
@@ -175,6 +196,12 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         };
         summary.set(&name, value)?;
     }
+    Ok(())
+}
+
+/// How long the steps took.
+fn of_times(run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let times = &run.times;
     summary
         .set_seconds("inspect_s", times.inspect)?
         .set_seconds("voxelise_s", times.voxelise)?
@@ -183,7 +210,14 @@ pub fn summary(args: &Args, part: &Part, run: &FieldRun, summary: &mut Summary) 
         .set_seconds("audit_s", times.audit)?
         .set_seconds("prove_s", times.prove)?
         .set_seconds("check_proofs_s", times.check_proofs)?
-        .set_seconds("total_s", times.total)?
+        .set_seconds("total_s", times.total)?;
+    Ok(())
+}
+
+/// The order, what it misses, and what its checks say.
+fn of_order(run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
+    let growth = &run.growth;
+    summary
         .set("cell_layers", growth.order.len())?
         .set("missed_cells", growth.missed.len())?
         .set("missed_by_hull_cells", run.missed_by_hull.len())?
@@ -220,10 +254,10 @@ fn support_row(run: &FieldRun) -> String {
     match (run.support.len(), run.straight_cells) {
         (0, _) if run.support_mm3() > 0.0 => format!("{:.1} mm3 in cells of the part", run.support_mm3()),
         (0, _) => "none".to_owned(),
-        (cells, 0) => format!("{cells} cells, {:.1} mm3", run.support_mm3()),
+        (cells, 0) => format!("{}, {:.1} mm3", counted(cells, "cell"), run.support_mm3()),
         (cells, straight) => {
             let share = 100.0 * cells as f64 / straight as f64;
-            format!("{cells} cells, {:.1} mm3; {share:.0} % of straight columns", run.support_mm3())
+            format!("{}, {:.1} mm3; {share:.0} % of straight columns", counted(cells, "cell"), run.support_mm3())
         }
     }
 }
@@ -232,7 +266,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
     let (grid, growth, times) = (&run.solid.grid, &run.growth, &run.times);
     let [nx, ny, nz] = grid.dims();
     table
-        .row(["part".to_owned(), format!("{}, {} triangles", part.name, part.mesh.triangles.len())])
+        .row(["part".to_owned(), format!("{}, {}", part.name, counted(part.mesh.triangles.len(), "triangle"))])
         .row(["cells".to_owned(), format!("{} of {:.4} mm, grid {nx} x {ny} x {nz}", grid.count(), grid.cell_mm())])
         .row(["strategy".to_owned(), format!("{}: {}", typed_name(args.grow.strategy), run.strategy)])
         .row(["platform".to_owned(), platform_row(run)])
@@ -249,7 +283,7 @@ pub fn rows(args: &Args, part: &Part, run: &FieldRun, table: &mut Table) {
                 run.undecided()
             ),
         ])
-        .row(["by the nozzle".to_owned(), format!("{} cells", growth.nozzle.len())])
+        .row(["by the nozzle".to_owned(), counted(growth.nozzle.len(), "cell")])
         .row(["support".to_owned(), support_row(run)])
         .row([
             "small patches".to_owned(),
@@ -284,7 +318,8 @@ fn reach(args: &Args, run: &FieldRun) -> String {
     let (by_nozzle, built) = (run.growth.nozzle.len(), run.growth.order.cells().len());
     let missed = match run.growth.missed.len() {
         0 => String::new(),
-        missed => format!(" {missed} cells are in no layer."),
+        1 => " One cell is in no layer.".to_owned(),
+        missed => format!(" {} are in no layer.", counted(missed, "cell")),
     };
     let depth = if args.grow.beyond_eps { "at most" } else { "less than" };
     let by_hull = format!(

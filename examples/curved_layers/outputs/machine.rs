@@ -9,6 +9,7 @@ use crate::machine::{MachineRun, to_lay_mm3};
 use crate::paths::PathsRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::percent;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -17,6 +18,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
+use curvlay_toolpath::gcode::flavour::{Flavour, FlavourWritten, ProgramOptions, write_flavour};
 use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
 use curvlay_toolpath::gouging::{Obstacle, ResolvedPaths};
 use curvlay_toolpath::orientation::ToolPath;
@@ -25,13 +27,21 @@ use curvlay_toolpath::support::UnsupportedPiece;
 use curvlay_toolpath::vtp::write_paths_vtp;
 use serde_json::Value;
 use std::io;
+use std::path::Path;
+
+const MACHINE_FILE: &str = "toolpath.gcode";
 
 /// Writes the tool paths and the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
 pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
     let templates = args.settings.templates();
     let options = args.settings.write_options(&templates);
     folder.write_with("paths.vtp", |out| write_paths_vtp(&run.resolved.paths, &run.deposition.moves, out))?;
-    let written = write(run, &options, "toolpath.gcode", folder)?;
+    let written = match &args.loaded_flavour {
+        Some(flavour) => {
+            write_in(run, flavour, &args.settings.program_options(&program_name(name), &templates), folder)?
+        }
+        None => write(run, &options, MACHINE_FILE, folder)?,
+    };
     let failed = |error: CamError| match error {
         CamError::Io(error) => error,
         error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
@@ -79,7 +89,7 @@ fn blocked_travels(run: &MachineRun, out: &mut dyn io::Write) -> io::Result<()> 
 
 /// Layers count from 1, paths (in the order in which they are printed) and waypoints from 0.
 fn place(run: &MachineRun, path: usize, waypoint: usize) -> String {
-    let (path_of, tip) = (&run.resolved.paths[path], run.resolved.paths[path].waypoints[waypoint].tip);
+    let (path_of, tip) = (&run.resolved.paths[path], run.resolved.paths[path].waypoints[waypoint].position);
     format!("{},{path},{waypoint},{:.3},{:.3},{:.3}", path_of.layer + 1, tip.x, tip.y, tip.z)
 }
 
@@ -128,6 +138,32 @@ fn write(run: &MachineRun, options: &WriteOptions, name: &str, folder: &OutputFo
     written.map_err(|error| failure(format!("{name}: {error}")))
 }
 
+/// The same in a flavour, with the flavour beside it, to copy from.
+fn write_in(
+    run: &MachineRun,
+    flavour: &Flavour,
+    options: &ProgramOptions,
+    folder: &OutputFolder,
+) -> Result<Written, Failure> {
+    let mut written = Ok(FlavourWritten::default());
+    folder
+        .write_with(MACHINE_FILE, |out| {
+            written = write_flavour(run.moves(), flavour, options, out);
+            written.as_ref().map(|_| ()).map_err(|_| io::ErrorKind::InvalidData.into())
+        })
+        .or_else(|error| if written.is_ok() { Err(error) } else { Ok(()) })?;
+    folder.write("flavour.json", serde_json::to_string_pretty(flavour).map_err(failure)? + "\n")?;
+    written.map(|all| all.written).map_err(|error| failure(format!("{MACHINE_FILE}: {error}")))
+}
+
+/// A name that controllers take, from that of the part, without the ending of its file.
+fn program_name(name: &str) -> String {
+    let stem = Path::new(name).file_stem().map_or_else(|| name.into(), |stem| stem.to_string_lossy());
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    let name: String = stem.chars().map(plain).take(32).collect();
+    if name.is_empty() { "part".to_owned() } else { name }
+}
+
 /// The share of the part that is laid, and of how much, in words.
 pub fn filled(field: &FieldRun, paths: &PathsRun, run: &MachineRun) -> String {
     let (laid, hollow) = (run.deposition.extruded_mm3, paths.hollow_mm3());
@@ -144,11 +180,31 @@ pub fn summary(
     written: &Written,
     summary: &mut Summary,
 ) -> Result<(), Failure> {
-    let (resolved, deposition, times) = (&run.resolved, &run.deposition, &run.times);
+    of_orientation(job, field, paths, run, summary)?;
+    if let Some(skin) = run.skin {
+        summary
+            .set("skin_gap_mean_mm", skin.mean_mm)?
+            .set("skin_gap_p50_mm", skin.p50_mm)?
+            .set("skin_gap_p95_mm", skin.p95_mm)?
+            .set("skin_bare_share", skin.bare_share)?;
+    }
+    of_deposition(job, run, summary)?;
+    of_support(job, run, summary)?;
+    summary.set("gcode_bytes", written.bytes)?;
+    Ok(())
+}
+
+/// How the nozzle is oriented, what it collides with, and what is left out for that.
+fn of_orientation(
+    job: &Job,
+    field: &FieldRun,
+    paths: &PathsRun,
+    run: &MachineRun,
+    summary: &mut Summary,
+) -> Result<(), Failure> {
+    let (resolved, times) = (&run.resolved, &run.times);
     let NozzleModel { tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm, .. } =
         job.setup.cell.equipment().model().nozzle;
-    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
-    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     let nozzle = [tip_flat_mm, cone_half_angle_deg, cone_height_mm, block_diameter_mm];
     summary
         .set("filled_share", run.filled_shares(field, paths)[0])?
@@ -175,17 +231,18 @@ pub fn summary(
         .set("max_tilt_deg", resolved.max_tilt.to_degrees())?
         .set("raised_waypoints", resolved.lifted)?
         .set("max_raise_mm", resolved.max_lift)?
-        .set("extruded_mm3", deposition.extruded_mm3)?;
+        .set("extruded_mm3", run.deposition.extruded_mm3)?;
     if let Some(covered_mm3) = run.covered_mm3 {
         summary.set("covered_mm3", covered_mm3)?;
     }
-    if let Some(skin) = run.skin {
-        summary
-            .set("skin_gap_mean_mm", skin.mean_mm)?
-            .set("skin_gap_p50_mm", skin.p50_mm)?
-            .set("skin_gap_p95_mm", skin.p95_mm)?
-            .set("skin_bare_share", skin.bare_share)?;
-    }
+    Ok(())
+}
+
+/// The filament, the time and what limits the feed, and the travels.
+fn of_deposition(job: &Job, run: &MachineRun, summary: &mut Summary) -> Result<(), Failure> {
+    let (deposition, times) = (&run.deposition, &run.times);
+    let (grams, cost) = job.args.settings.mass_and_cost(deposition.extruded_mm3);
+    let [at_flow, at_max_feed, at_min_feed, turning] = deposition.limits.shares();
     summary
         .set("filament_mm", deposition.filament_mm)?
         .set("filament_g", grams.map_or_else(|| "none".into(), Value::from))?
@@ -200,7 +257,13 @@ pub fn summary(
         .set("blocked_travels", run.travels.blocked.len())?
         .set("max_lift_mm", run.travels.max_lift)?
         .set_seconds("travels_s", times.travels)?
-        .set("retractions", deposition.retractions)?
+        .set("retractions", deposition.retractions)?;
+    Ok(())
+}
+
+/// What is under the beads.
+fn of_support(job: &Job, run: &MachineRun, summary: &mut Summary) -> Result<(), Failure> {
+    summary
         .set("support_distance", job.args.support_distance_heights)?
         .set("unsupported_mm", run.support.unsupported_mm())?
         .set("unsupported_share", run.support.unsupported_share())?
@@ -209,8 +272,7 @@ pub fn summary(
         .set("span_mm", run.support.span_mm())?
         .set("spans", run.support.spans.len())?
         .set("span_longest_mm", run.support.longest_span_mm())?
-        .set_seconds("support_s", times.support)?
-        .set("gcode_bytes", written.bytes)?;
+        .set_seconds("support_s", run.times.support)?;
     Ok(())
 }
 
@@ -238,7 +300,10 @@ pub fn rows(field: &FieldRun, paths: &PathsRun, run: &MachineRun, written: &Writ
         .row(["travels".to_owned(), travels(run)])
         .row(["unsupported".to_owned(), on_nothing(run)])
         .row(["skin".to_owned(), skin(run)])
-        .row(["machine file".to_owned(), format!("{} lines, {:.1} MB", written.lines, written.bytes as f64 / 1e6)])
+        .row([
+            "machine file".to_owned(),
+            format!("{}, {:.1} MB", counted(written.lines, "line"), written.bytes as f64 / 1e6),
+        ])
         .row([
             "time".to_owned(),
             format!(
@@ -268,7 +333,7 @@ fn limits(run: &MachineRun) -> String {
 
 fn gouging_row(resolved: &ResolvedPaths) -> String {
     let (before, after) = (resolved.gouging_before, resolved.left.len());
-    let mut row = format!("{before} waypoints before, {after} after");
+    let mut row = format!("{} before, {after} after", counted(before, "waypoint"));
     if !resolved.left_out.is_empty() {
         row += &format!("; pieces of paths left out: {}", resolved.left_out.len());
     }
@@ -278,13 +343,13 @@ fn gouging_row(resolved: &ResolvedPaths) -> String {
 fn on_nothing(run: &MachineRun) -> String {
     let support = &run.support;
     format!(
-        "{:.1} mm of bead, {}, in {} pieces of at most {:.1} mm; {:.1} mm in {} spans of at most {:.1} mm",
+        "{:.1} mm of bead, {}, in {} of at most {:.1} mm; {:.1} mm in {} of at most {:.1} mm",
         support.unsupported_mm(),
         percent(support.unsupported_share()),
-        support.unsupported.len(),
+        counted(support.unsupported.len(), "piece"),
         support.longest_mm(),
         support.span_mm(),
-        support.spans.len(),
+        counted(support.spans.len(), "span"),
         support.longest_span_mm()
     )
 }
@@ -308,10 +373,10 @@ pub fn report(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun, report
     let Some(printed) = run.longest() else { return };
     let turns = |path: &ToolPath| -> Vec<[f64; 2]> {
         let pairs = path.waypoints.windows(2);
-        pairs.map(|pair| [pair[1].arc, pair[0].direction.angle(&pair[1].direction).to_degrees()]).collect()
+        pairs.map(|pair| [pair[1].arc, pair[0].axis.angle(&pair[1].axis).to_degrees()]).collect()
     };
     let tilts = |path: &ToolPath| -> Vec<[f64; 2]> {
-        path.waypoints.iter().map(|w| [w.arc, w.direction.z.clamp(-1.0, 1.0).acos().to_degrees()]).collect()
+        path.waypoints.iter().map(|w| [w.arc, w.axis.z.clamp(-1.0, 1.0).acos().to_degrees()]).collect()
     };
     let plot = |y: &str, of: &dyn Fn(&ToolPath) -> Vec<[f64; 2]>| {
         let mut plot = Plot::new("along the path, mm", y);

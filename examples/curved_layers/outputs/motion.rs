@@ -5,6 +5,7 @@ use super::shown::{Picture, borrowed, seconds};
 use crate::motion::{Checked, MotionRun};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
 use curvlay_examples::render::{Camera, INK, PLATFORM, Scene, layer_colour};
@@ -205,21 +206,29 @@ fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut 
     let times = &run.times;
     let count = |kind| run.count(kind);
     let factor = share(run.plan_s(), run.robot_s());
-    let reach = format!("{} waypoints, {} more blocked", count(FaultKind::Unreachable), count(FaultKind::Blocked));
+    let reach =
+        format!("{}, {} more blocked", counted(count(FaultKind::Unreachable), "waypoint"), count(FaultKind::Blocked));
     let [printing, planned] = [run.printing_s, run.planned_s].map(|seconds| seconds / 60.0);
     let pace =
         format!("{printing:.1} min, {planned:.1} at the planned feed; {:.0} % of it at least", 100.0 * run.min_pace);
     table
-        .row(["robot moves".to_owned(), format!("{:.1} min in {} motions", run.robot_s() / 60.0, run.runs.len())])
+        .row([
+            "robot moves".to_owned(),
+            format!("{:.1} min in {}", run.robot_s() / 60.0, counted(run.runs.len(), "motion")),
+        ])
         .row(["of which it prints".to_owned(), pace])
         .row(["planned in".to_owned(), seconds(times.runs)])
         .row(["transfers in".to_owned(), seconds(times.travels)])
         .row(["planning to moving".to_owned(), format!("{factor:.4}")])
         .row(["out of reach".to_owned(), reach])
-        .row(["paths break off".to_owned(), format!("{} times", count(FaultKind::Break))])
+        .row(["paths break off".to_owned(), counted(count(FaultKind::Break), "time")])
         .row([
             "off the path".to_owned(),
-            format!("{:.2} mm at most, {} steps too far", run.max_deviation_mm, count(FaultKind::PathDeviation)),
+            format!(
+                "{:.2} mm at most, {} too far",
+                run.max_deviation_mm,
+                counted(count(FaultKind::PathDeviation), "step")
+            ),
         ])
         .row(["transfers".to_owned(), format!("{}, {} not found", run.travels.len(), count(FaultKind::NoTransfer))]);
 }

@@ -6,7 +6,7 @@ use crate::ranges;
 use curvlay_examples::output::SUMMARY;
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 28] = [
+const NAMES: [&str; 29] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
@@ -21,6 +21,7 @@ const NAMES: [&str; 28] = [
     ranges::FILE,
     "toolpath.gcode",
     "toolpath-bc.gcode",
+    "flavour.json",
     "toolpath.apt",
     "toolpath.csv",
     "build.glb",

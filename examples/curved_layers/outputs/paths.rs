@@ -6,6 +6,7 @@ use crate::args::{Args, Extra};
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -71,7 +72,7 @@ pub fn summary(args: &Args, run: &PathsRun, summary: &mut Summary) -> Result<(),
         .set("solid_mm", totals.solid_mm)?
         .set("skin_mm", totals.skin_mm)?
         .set("support_mm", totals.support_mm)?
-        .set("support_density", args.complete.support_density / 100.0)?
+        .set("support_density", args.complete.support_density_percent / 100.0)?
         .set("infill_mm", totals.sparse.infill_mm)?
         .set("sparse_mm3", totals.sparse.volume_mm3)?
         .set("sparse_infill_mm3", totals.sparse.infill_mm3)?
@@ -109,14 +110,19 @@ pub fn rows(args: &Args, run: &PathsRun, table: &mut Table) {
     }
     table
         .row(["bead".to_owned(), format!("{:.3} mm wide", run.bead_mm)])
-        .row(["curves".to_owned(), format!("{} in {} regions", totals.curves, totals.regions)])
+        .row(["curves".to_owned(), format!("{} in {}", totals.curves, counted(totals.regions, "region"))])
         .row([
             "short curves".to_owned(),
             format!("{} below {SHORT_CURVE_BEADS} beads, {}", run.short_curves, share(run.short_curve_share())),
         ])
         .row([
             "joined, left out".to_owned(),
-            format!("{} joints; {} short curves of {:.1} mm", totals.joints, totals.short_left, totals.short_left_mm),
+            format!(
+                "{}; {} of {:.1} mm",
+                counted(totals.joints, "joint"),
+                counted(totals.short_left, "short curve"),
+                totals.short_left_mm
+            ),
         ])
         .row([
             "beads of narrow strips".to_owned(),

@@ -3,10 +3,10 @@
 
 use crate::args::Stage;
 use crate::choice::Choice;
-use crate::findings::counted;
 use crate::guide::Guide;
 use crate::job::{Job, Results};
 use crate::motion::of_run;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Severity, percent};
 use curvlay_examples::table::Table;
 
@@ -40,7 +40,14 @@ pub fn table(job: &Job, results: &Results) -> Table {
     let infill = args.settings.infill();
     if paths.is_some() && !infill.is_solid() {
         let percent = 100.0 * infill.density;
-        row("filled", format!("{} walls, skins of {} layers, {percent} % inside", infill.walls, infill.skin));
+        row(
+            "filled",
+            format!(
+                "{}, skins of {}, {percent} % inside",
+                counted(infill.walls, "wall"),
+                counted(infill.skin, "layer")
+            ),
+        );
     }
     if let (Some(paths), Some(machine)) = (paths, machine) {
         let (deposition, of_nozzle) = (&machine.deposition, setup.cell.equipment().model().nozzle.tip_flat_mm);

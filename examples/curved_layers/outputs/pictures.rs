@@ -5,6 +5,7 @@ use crate::field::FieldRun;
 use crate::machine::MachineRun;
 use crate::paths::{PathsRun, curves};
 use crate::surfaces::SurfacesRun;
+use curvlay_examples::count::counted;
 use curvlay_examples::render::{Camera, Image, Scene, layer_colour, ramp};
 use curvlay_layers::curved::surface::Spacing;
 use curvlay_layers::trim::TrimmedSheet;
@@ -49,7 +50,7 @@ pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
     (1..=FRAMES)
         .into_par_iter()
         .map(|frame| (layers * frame).div_ceil(FRAMES))
-        .map(|until| (format!("{until} of {layers} layers"), draw(field, run, 0..until)))
+        .map(|until| (format!("{until} of {}", counted(layers, "layer")), draw(field, run, 0..until)))
         .collect()
 }
 
@@ -107,7 +108,8 @@ pub fn paths(surfaces: &SurfacesRun, run: &PathsRun, at: usize) -> Option<Pictur
         }
     }
     let [width, height] = PATHS;
-    let caption = format!("layer {}: {} curves, {:.0} mm", at + 1, layer.paths.paths.len(), layer.statistics.path_mm);
+    let caption =
+        format!("layer {}: {}, {:.0} mm", at + 1, counted(layer.paths.paths.len(), "curve"), layer.statistics.path_mm);
     Some((caption, scene.draw(width, height).to_png()))
 }
 
@@ -126,12 +128,12 @@ pub fn unsupported(surfaces: &SurfacesRun, paths: &PathsRun, run: &MachineRun) -
         scene.bar(from + lift, to + lift, thick * LINE * paths.bead_mm, colour);
     };
     for (number, path) in run.resolved.paths.iter().enumerate().filter(|(_, path)| path.layer as usize == at) {
-        path.waypoints.windows(2).for_each(|pair| bar(pair[0].tip, pair[1].tip, 1.0, EVEN));
+        path.waypoints.windows(2).for_each(|pair| bar(pair[0].position, pair[1].position, 1.0, EVEN));
         for piece in run.support.unsupported.iter().filter(|piece| piece.path == number) {
             // A mark in its middle, too: a piece may be shorter than the way between two waypoints.
             let inside = |arc: f64| arc > piece.arcs[0] && arc < piece.arcs[1];
             let whole = path.waypoints.windows(2).filter(|pair| pair.iter().all(|waypoint| inside(waypoint.arc)));
-            whole.for_each(|pair| bar(pair[0].tip, pair[1].tip, 2.0, FAULT));
+            whole.for_each(|pair| bar(pair[0].position, pair[1].position, 2.0, FAULT));
             bar(piece.tip, piece.tip + lift * 0.1, 2.0, FAULT);
         }
     }

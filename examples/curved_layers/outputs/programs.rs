@@ -11,20 +11,25 @@ use crate::motion::MotionRun;
 use crate::motion::args::ProgramFormat;
 use crate::motion::read_back::read_back;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;
-use curvlay_examples::motion::programs::{pieces, stream, takes_stream, targets, urscript_options};
+use curvlay_examples::motion::programs::{
+    blended, blended_options, full_scale, pieces, program_name, stream, takes_stream, targets, urscript_options,
+};
 use curvlay_examples::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBack};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    ProgramLimits, RapidOptions, Step, WriteError, write_csv, write_rapid, write_urscript,
+    KrlOptions, ProgramLimits, RapidOptions, Step, TpOptions, UrScriptOptions, WriteError, write_csv, write_krl,
+    write_rapid, write_tp, write_urscript,
 };
-use curvlay_kinematics::workcell::Workcell;
+use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::PrintPlan;
-use std::io::{BufWriter, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::ops::Range;
 
 /// Moves of a RAPID module, half a megabyte.
@@ -86,8 +91,12 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
         return Ok(Programs { refused: Some(why.to_owned()), ..none });
     }
     let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
-    let written =
-        if is_stream { streams(cell, plan, format, folder) } else { targets_of(cell, plan, format, most, folder) };
+    let written = match format {
+        ProgramFormat::UrscriptMovep => blends(cell, plan, folder),
+        ProgramFormat::Krl | ProgramFormat::Tp | ProgramFormat::Rapid => modules(cell, plan, format, most, folder),
+        _ if is_stream => streams(cell, plan, format, folder),
+        _ => csv_targets(cell, plan, folder),
+    };
     match written {
         Ok(programs) => {
             let read = Some(read_back(run, format, folder.path())?);
@@ -108,11 +117,11 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
     let ending = if format == ProgramFormat::Csv { "csv" } else { "script" };
     let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
-        let steps = stream(cell, plan, piece);
+        let (steps, runs) = (stream(cell, plan, piece.clone()), piece);
         if format == ProgramFormat::Csv {
             return write_csv(steps, &limits, out);
         }
-        let options = urscript_options(cell, plan, name);
+        let options = with_ends(urscript_options(cell, plan, name), plan, runs);
         write_urscript(steps, &options, out).map(|_| ())
     };
     let steps = |piece: Range<usize>| {
@@ -122,37 +131,74 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     of_pieces(plan, steps, ending, folder, write)
 }
 
-/// Programs of targets on the part, with the axes of a table.
-fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
+/// Programs of lines with blends, for arms of Universal Robots.
+fn blends<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
+    folder: &OutputFolder,
+) -> Result<Programs, Trouble> {
+    let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
+        let options = with_ends(blended_options(cell, plan, name), plan, piece.clone());
+        write_urscript(blended(cell, plan, piece), &options, out).map(|_| ())
+    };
+    let steps = |piece: Range<usize>| blended(cell, plan, piece).count() as f64;
+    of_pieces(plan, steps, "script", folder, write)
+}
+
+/// Options of a script whose head says at which joints it begins and ends.
+fn with_ends<const N: usize, const F: usize>(
+    options: UrScriptOptions,
+    plan: &PrintPlan<N, F>,
+    piece: Range<usize>,
+) -> UrScriptOptions {
+    let ends = plan.segments(piece).fold([None; 2], |[first, _]: [Option<[f64; N]>; 2], segment| {
+        [first.or(Some(segment.at(0.0))), Some(segment.at(segment.duration()))]
+    });
+    let said = |joints: [f64; N]| joints.map(|angle| format!("{:.2}", angle.to_degrees())).join(", ");
+    let remark = match ends.map(|end| end.map(said)) {
+        [Some(first), Some(last)] if first == last => Some(format!("Begins and ends at joints {first} degrees.")),
+        [Some(first), Some(last)] => Some(format!("Begins at joints {first}, ends at {last} degrees.")),
+        _ => None,
+    };
+    UrScriptOptions { remark, ..options }
+}
+
+/// Programs of targets on the part, with the axes of a table, in CSV.
+fn csv_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
+    folder: &OutputFolder,
+) -> Result<Programs, Trouble> {
+    let limits = ProgramLimits::of_arm(cell.equipment().arm());
+    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| write_csv(targets(cell, plan, piece), &limits, out);
+    let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
+    of_pieces(plan, moves, "csv", folder, write)
+}
+
+/// The same in a language whose programs are a main and modules: a program for all that hangs together; it is cut into modules by the writer.
+fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
     format: ProgramFormat,
     most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
-    let limits = ProgramLimits::of_arm(cell.equipment().arm());
-    if format == ProgramFormat::Csv {
-        let write =
-            |piece: Range<usize>, _: &str, out: &mut dyn Write| write_csv(targets(cell, plan, piece), &limits, out);
-        let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
-        return of_pieces(plan, moves, "csv", folder, write);
-    }
-    // A program for all that hangs together; it is cut into modules by the writer.
     let pieces = pieces(plan);
     let (mut programs, mut unfinished, mut list) = (Programs::default(), Vec::new(), String::from(LIST_HEAD));
     for (number, piece) in pieces.iter().enumerate() {
-        let name = if pieces.len() == 1 { "print".to_owned() } else { format!("print{}", number + 1) };
-        let main = name.clone();
-        let moves_per_module = most.unwrap_or(MODULE_MOVES);
-        let options = RapidOptions { name, moves_per_module, ..RapidOptions::of_workcell(cell.equipment()) };
-        let done = write_rapid(targets(cell, plan, piece.clone()), &options, |name| {
+        let name = program_name(pieces.len(), number);
+        let before = unfinished.len();
+        let mut open = |name: &str| -> io::Result<BufWriter<File>> {
             let (begun, file) = folder.begin(name)?;
             unfinished.push(begun);
-            Ok(file)
-        })?;
-        programs.files += done.modules as usize + 1;
-        programs.steps += done.moves;
-        list += &listed(plan, piece, &format!("{main}.mod"), done.moves);
+            Ok(BufWriter::new(file))
+        };
+        let steps = targets(cell, plan, piece.clone());
+        let (main, moves) =
+            write_modules(steps, (cell.equipment(), plan.max_filament_mm_s()), format, most, name, &mut open)?;
+        programs.files += unfinished.len() - before;
+        programs.steps += moves;
+        list += &listed(plan, piece, &main, moves);
     }
     for file in unfinished {
         programs.bytes += file.finish()?;
@@ -161,17 +207,51 @@ fn targets_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     Ok(programs)
 }
 
+/// Writes one program; its main file, and its moves.
+fn write_modules<O: Write>(
+    steps: impl Iterator<Item = Step>,
+    (equipment, filament_mm_s): (&Equipment, f64),
+    format: ProgramFormat,
+    most: Option<u32>,
+    name: String,
+    open: &mut impl FnMut(&str) -> io::Result<O>,
+) -> Result<(String, u64), WriteError> {
+    let filament_full_scale_mm_s = full_scale(filament_mm_s);
+    match format {
+        ProgramFormat::Krl => {
+            let options = KrlOptions::of_workcell(equipment);
+            let moves_per_module = most.unwrap_or(options.moves_per_module);
+            let options = KrlOptions { name: name.clone(), moves_per_module, filament_full_scale_mm_s, ..options };
+            Ok((format!("{name}.src"), write_krl(steps, &options, open)?.moves))
+        }
+        ProgramFormat::Tp => {
+            let options = TpOptions::of_workcell(equipment);
+            let moves_per_program = most.unwrap_or(options.moves_per_program);
+            let options = TpOptions { name: name.clone(), moves_per_program, filament_full_scale_mm_s, ..options };
+            Ok((format!("{name}.ls"), write_tp(steps, &options, open)?.moves))
+        }
+        _ => {
+            let moves_per_module = most.unwrap_or(MODULE_MOVES);
+            let options = RapidOptions { name: name.clone(), moves_per_module, ..RapidOptions::of_workcell(equipment) };
+            Ok((format!("{name}.mod"), write_rapid(steps, &options, open)?.moves))
+        }
+    }
+}
+
 /// Whether a file of this name is a program: `print_001.script` or `.csv`; in RAPID `print.mod` with its modules `print_001.mod`, or `print1.mod`
-/// with its modules `print1_001.mod`.
+/// with its modules `print1_001.mod`; in KRL the same with `.src`, and `print.dat`; in TP with `.ls`.
 pub fn is_ours(name: &str) -> bool {
-    let is_module = || {
-        let stem = name.strip_suffix(".mod").and_then(|stem| stem.rsplit_once('_'));
-        stem.is_some_and(|(piece, module)| is_numbered(piece, "print", 1, "") && is_numbered(module, "", 3, ""))
+    let of = |ending: &str| {
+        let Some(stem) = name.strip_suffix(ending) else { return false };
+        let module = stem.rsplit_once('_');
+        stem == "print"
+            || is_numbered(stem, "print", 1, "")
+            || is_numbered(stem, "print_", 3, "")
+            || module
+                .is_some_and(|(piece, module)| is_numbered(piece, "print", 1, "") && is_numbered(module, "", 3, ""))
     };
-    [".script", ".csv", ".mod"].iter().any(|ending| is_numbered(name, "print_", 3, ending))
-        || name == "print.mod"
-        || is_numbered(name, "print", 1, ".mod")
-        || is_module()
+    [".script", ".csv"].iter().any(|ending| is_numbered(name, "print_", 3, ending))
+        || [".mod", ".src", ".dat", ".ls"].into_iter().any(of)
 }
 
 /// The first line of `programs.csv`.
@@ -265,7 +345,8 @@ pub fn find(run: &Programs, fastest_mm_s: f64, findings: &mut Findings) {
 }
 
 pub fn rows(run: &Programs, table: &mut Table) {
-    let written = format!("{} files, {} steps, {:.1} MB", run.files, run.steps, run.bytes as f64 / 1e6);
+    let written =
+        format!("{}, {}, {:.1} MB", counted(run.files, "file"), counted(run.steps, "step"), run.bytes as f64 / 1e6);
     table.row(["programs".to_owned(), run.refused.clone().unwrap_or(written)]);
     if let Some(read) = &run.read {
         let laid = format!("{:.1} of {:.1} mm of filament", read.filament_mm, read.planned_mm);

@@ -6,6 +6,7 @@ use crate::args::{Args, Extra};
 use crate::field::FieldRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
+use curvlay_examples::count::counted;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
@@ -105,9 +106,9 @@ pub fn rows(run: &SurfacesRun, table: &mut Table) {
     let (spacing, boundary, times) = (&run.spacing, &run.boundary, &run.times);
     let spread = |std: f64, mean: f64| format!("{mean:.4} mm, deviation {std:.4} mm");
     table
-        .row(["surfaces".to_owned(), format!("{}, {} triangles", run.sheets.len(), run.triangles())])
+        .row(["surfaces".to_owned(), format!("{}, {}", run.sheets.len(), counted(run.triangles(), "triangle"))])
         .row(["layer height".to_owned(), format!("{:.4} mm", run.height_mm)])
-        .row(["even layers by".to_owned(), format!("{}; {} waits", run.method, run.waits)])
+        .row(["even layers by".to_owned(), format!("{}; {}", run.method, counted(run.waits, "wait"))])
         .row(["spacing".to_owned(), spread(spacing.std_mm, spacing.mean_mm)]);
     if let Some(plain) = &run.plain_spacing {
         table.row(["spacing, hop counts".to_owned(), spread(plain.std_mm, plain.mean_mm)]);

@@ -1,5 +1,6 @@
 //! What the orientation of a mesh leaves to say: one policy for all examples.
 
+use crate::count::counted;
 use crate::finding::{Finding, Severity};
 use curvlay_voxel::OrientReport;
 
@@ -35,8 +36,10 @@ pub fn mesh_findings(report: &OrientReport, allow_guesses: bool) -> Vec<Finding>
     }
     if report.holes > 0 && report.holes_mm3 <= UNCERTAIN_SHARE * report.volume_mm3 {
         let what = format!(
-            "{} holes were closed: at most {:.2} of {:.1} mm3 depends on how",
-            report.holes, report.holes_mm3, report.volume_mm3
+            "closed {}: at most {:.2} of {:.1} mm3 depends on how",
+            counted(report.holes, "hole"),
+            report.holes_mm3,
+            report.volume_mm3
         );
         findings.push(Finding::new(Severity::Note, what, "", ""));
     }

@@ -1,5 +1,6 @@
 //! What is wrong with a mesh file, and where.
 
+use crate::count::counted;
 use curvlay_voxel::OrientError;
 use std::path::PathBuf;
 use std::{fmt, io};
@@ -114,8 +115,8 @@ pub enum MeshFault {
     Orientation(#[from] OrientError),
     /// A surface that bounds no solid.
     #[error(
-        "the mesh encloses no volume: its {triangles} triangles are a surface without thickness; give it one in the program that \
-        made it"
+        "the mesh encloses no volume: it is a surface of {} without thickness; give it one in the program that made it",
+        counted(.triangles, "triangle")
     )]
     NoVolume {
         /// How many triangles it has.

@@ -3,6 +3,7 @@
 
 use super::fault::{MeshFault, Place, finite, printable, quoted, syntax, unmarked};
 use super::weld::Welder;
+use crate::count::counted;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 use std::io::Cursor;
@@ -46,28 +47,40 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
             }
             "face" | STRIPS => {
                 for (i, face) in elements.iter().enumerate() {
-                    let corner = |&v: &i64| {
-                        usize::try_from(v).ok().and_then(|v| ids.get(v).copied()).ok_or_else(|| {
-                            let what = def.name.trim_end_matches('s');
-                            syntax(place(i), format!("{what} {} names vertex {v} (from 0) of {}", i + 1, ids.len()))
-                        })
-                    };
-                    if def.name == "face" {
-                        let corners = face.corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
-                        welder.polygon(&corners, place(i));
-                    } else {
-                        // A corner of -1 ends a strip.
-                        for strip in face.corners.split(|&v| v == -1) {
-                            let corners = strip.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
-                            add_strip(&mut welder, &corners, place(i));
-                        }
-                    }
+                    add_face(&mut welder, &ids, &def.name, (i + 1, &face.corners), place(i))?;
                 }
             }
             _ => {}
         }
     }
     Ok(welder)
+}
+
+/// Adds a face, or strips of triangles, by the numbers of its vertices from 0.
+fn add_face(
+    welder: &mut Welder,
+    ids: &[u32],
+    name: &str,
+    (number, corners): (usize, &[i64]),
+    place: Place,
+) -> Result<(), MeshFault> {
+    let corner = |&v: &i64| {
+        usize::try_from(v).ok().and_then(|v| ids.get(v).copied()).ok_or_else(|| {
+            let what = name.trim_end_matches('s');
+            syntax(place, format!("{what} {number} names vertex {v} (from 0) of {}", ids.len()))
+        })
+    };
+    if name != STRIPS {
+        let corners = corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
+        welder.polygon(&corners, place);
+        return Ok(());
+    }
+    // A corner of -1 ends a strip.
+    for strip in corners.split(|&v| v == -1) {
+        let corners = strip.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
+        add_strip(welder, &corners, place);
+    }
+    Ok(())
 }
 
 /// Adds a strip of triangles: each corner from the third on makes one with the two before, every second one turned. Corners
@@ -86,7 +99,12 @@ fn check_header(header: &Header, bytes_left: usize) -> Result<(), MeshFault> {
     for def in header.elements.values() {
         // Every element takes a byte at least, so a larger count is a lie.
         if def.count > bytes_left {
-            let what = format!("the header promises {} of {} in {bytes_left} bytes", def.count, quoted(&def.name));
+            let what = format!(
+                "the header promises {} of {} in {}",
+                def.count,
+                quoted(&def.name),
+                counted(bytes_left, "byte")
+            );
             return Err(in_header(what));
         }
         if def.properties.is_empty() && def.count > 0 {

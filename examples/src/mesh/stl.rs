@@ -5,7 +5,7 @@ use super::weld::Welder;
 
 /// Header and count.
 const HEAD: usize = 84;
-/// Normal, three corners, and two bytes that nobody agrees on.
+/// Normal, three corners, and two bytes whose meaning differs from program to program.
 const TRIANGLE: usize = 50;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
@@ -95,43 +95,59 @@ fn binary(facets: &[u8], mut welder: Welder) -> Result<Welder, MeshFault> {
 /// passed over, and the end may be missing behind a whole facet.
 fn ascii(bytes: &[u8]) -> Result<Welder, MeshFault> {
     let text = String::from_utf8_lossy(bytes);
-    let mut welder = Welder::default();
-    let mut corners = Vec::new();
-    let (mut open, mut last, mut started, mut passed_over) = (false, 0, false, 0);
+    let mut reader = AsciiReader::default();
     let mut in_line: Vec<&str> = Vec::new();
     for (i, line) in text.lines().enumerate() {
-        let place = Place::Line(i + 1);
         in_line.clear();
         in_line.extend(line.split_ascii_whitespace());
-        let keyword = |word: &&str| word.eq_ignore_ascii_case("solid") || word.eq_ignore_ascii_case("facet");
-        if !started && !in_line.is_empty() {
-            started = in_line.first().is_some_and(keyword);
-            if !started {
-                passed_over += 1;
-                continue;
-            }
+        if reader.has_started(&in_line) {
+            reader.line(&in_line, i + 1)?;
         }
+    }
+    // `outer loop` or `facet` stand at the end of a file that was cut, `endfacet` of one without an end.
+    let last_word = text.split_ascii_whitespace().next_back();
+    reader.finish(last_word.is_some_and(|word| word.eq_ignore_ascii_case("endfacet")))
+}
+
+/// An ASCII file, read line by line.
+#[derive(Default)]
+struct AsciiReader {
+    welder: Welder,
+    /// Corners of the facet that is open.
+    corners: Vec<u32>,
+    /// Whether a part has begun and not ended.
+    open: bool,
+    /// The last line that was read.
+    last: usize,
+    started: bool,
+    passed_over: usize,
+}
+
+impl AsciiReader {
+    /// Whether this line is read: from the first `solid` or `facet` on all are. Counts the lines before that have words.
+    fn has_started(&mut self, in_line: &[&str]) -> bool {
+        let keyword = |word: &&str| word.eq_ignore_ascii_case("solid") || word.eq_ignore_ascii_case("facet");
+        if !self.started && !in_line.is_empty() {
+            self.started = in_line.first().is_some_and(keyword);
+            self.passed_over += usize::from(!self.started);
+        }
+        self.started
+    }
+
+    /// Reads the words of a line, which has its number from 1.
+    fn line(&mut self, in_line: &[&str], number: usize) -> Result<(), MeshFault> {
+        let place = Place::Line(number);
         let mut words = in_line.iter();
         while let Some(word) = words.next() {
-            last = i + 1;
+            self.last = number;
             match word.to_ascii_lowercase().as_str() {
                 "vertex" => {
                     let p = three_numbers(&mut words.by_ref().copied(), place)?;
-                    corners.push(welder.vertex(finite(p, place, corners.len() + 1)?)?);
+                    self.corners.push(self.welder.vertex(finite(p, place, self.corners.len() + 1)?)?);
                 }
-                "endfacet" if corners.len() == 3 => {
-                    welder.polygon(&corners, place);
-                    corners.clear();
-                }
-                "endfacet" => return Err(syntax(place, format!("the facet has {} corners, not 3", corners.len()))),
+                "endfacet" => self.end_facet(place)?,
                 "solid" => {
-                    if !corners.is_empty() {
-                        return Err(syntax(place, "`solid` before the `endfacet` of the last facet"));
-                    }
-                    if open {
-                        welder.note("a part of the file has no `endsolid`", "", place.to_string());
-                    }
-                    open = true;
+                    self.begin_part(place)?;
                     words = from_facet(words.as_slice()).iter();
                 }
                 "endsolid" if !from_facet(words.as_slice()).is_empty() => {
@@ -141,41 +157,65 @@ fn ascii(bytes: &[u8]) -> Result<Welder, MeshFault> {
                     ));
                 }
                 "endsolid" => {
-                    open = false;
+                    self.open = false;
                     words = [].iter();
                 }
-                "facet" if !corners.is_empty() => {
+                "facet" if !self.corners.is_empty() => {
                     return Err(syntax(place, "`facet` before the `endfacet` of the last"));
                 }
                 // The normal, whatever its numbers are.
-                "facet" => {
-                    let rest = words.as_slice();
-                    let keyword = |word: &&str| {
-                        ["outer", "vertex", "endfacet"].iter().any(|known| word.eq_ignore_ascii_case(known))
-                    };
-                    words = rest[rest.iter().position(keyword).unwrap_or(rest.len())..].iter();
-                }
+                "facet" => words = after_normal(words.as_slice()).iter(),
                 "outer" | "loop" | "endloop" => {}
                 _ => return Err(syntax(place, format!("{} has no place in an STL file", quoted(word)))),
             }
         }
+        Ok(())
     }
-    // `outer loop` or `facet` stand at the end of a file that was cut, `endfacet` of one without an end.
-    let ends_whole = text
-        .split_ascii_whitespace()
-        .next_back()
-        .is_some_and(|word| word.eq_ignore_ascii_case("endfacet") && corners.is_empty());
-    if open && !ends_whole && !welder.mesh.triangles.is_empty() || !corners.is_empty() {
-        return Err(syntax(Place::Line(last), "the file ends within a facet: cut short"));
+
+    /// `endfacet`
+    fn end_facet(&mut self, place: Place) -> Result<(), MeshFault> {
+        if self.corners.len() != 3 {
+            return Err(syntax(place, format!("the facet has {} corners, not 3", self.corners.len())));
+        }
+        self.welder.polygon(&self.corners, place);
+        self.corners.clear();
+        Ok(())
     }
-    if open && ends_whole {
-        let what = "the file ends without `endsolid`: complete unless it was cut off there";
-        welder.note(what, "", Place::Line(last).to_string());
+
+    /// `solid`
+    fn begin_part(&mut self, place: Place) -> Result<(), MeshFault> {
+        if !self.corners.is_empty() {
+            return Err(syntax(place, "`solid` before the `endfacet` of the last facet"));
+        }
+        if self.open {
+            self.welder.note("a part of the file has no `endsolid`", "", place.to_string());
+        }
+        self.open = true;
+        Ok(())
     }
-    if passed_over > 0 {
-        welder.note("lines before `solid` were passed over", passed_over.to_string(), "");
+
+    /// Whether the file is whole, and what was made of it.
+    fn finish(self, ends_with_endfacet: bool) -> Result<Welder, MeshFault> {
+        let AsciiReader { mut welder, corners, open, last, passed_over, .. } = self;
+        let ends_whole = ends_with_endfacet && corners.is_empty();
+        if open && !ends_whole && !welder.mesh.triangles.is_empty() || !corners.is_empty() {
+            return Err(syntax(Place::Line(last), "the file ends within a facet: cut short"));
+        }
+        if open && ends_whole {
+            let what = "the file ends without `endsolid`: complete unless it was cut off there";
+            welder.note(what, "", Place::Line(last).to_string());
+        }
+        if passed_over > 0 {
+            welder.note("lines before `solid` were passed over", passed_over.to_string(), "");
+        }
+        Ok(welder)
     }
-    Ok(welder)
+}
+
+/// What follows the normal of a facet in its line.
+fn after_normal<'a, 'b>(words: &'b [&'a str]) -> &'b [&'a str] {
+    let keyword = |word: &&str| ["outer", "vertex", "endfacet"].iter().any(|known| word.eq_ignore_ascii_case(known));
+    &words[words.iter().position(keyword).unwrap_or(words.len())..]
 }
 
 /// What follows the name of a part in its line: from the first `facet normal` on.

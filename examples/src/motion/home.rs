@@ -12,8 +12,8 @@ use std::ops::ControlFlow;
 pub const NO_HOME: &str =
     "no home posture is free above the part: programs are not written; `home_deg` in the workcell names one";
 
-/// The home posture: that of the workcell (`home_deg`), or else one above the part ([`PrintPlan::home_above`]). `None` where there
-/// is none.
+/// The home posture: that of the workcell (`home_deg`), or else one above the part ([`PrintPlan::home_above`]). `None` without
+/// any.
 ///
 /// # Arguments
 /// * `cell`: the workcell before anything is built.

@@ -7,6 +7,7 @@ mod parts;
 mod printing;
 pub mod programs;
 pub mod read_back;
+mod reading;
 pub mod shown;
 mod studied;
 
@@ -15,4 +16,5 @@ pub use home::{NO_HOME, from_home, home};
 pub use on_cell::{OnCell, OverTable, PartInHand, bounds_of};
 pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
+pub use reading::{workcell_model, workcell_of};
 pub use studied::{STEP_S, Studied, centred, dissertation_cells, inside, near_samples};

@@ -4,6 +4,7 @@ use super::{
     OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
 };
 use crate::bars::Bars;
+use crate::count::counted;
 use crate::findings::{Findings, Severity};
 use crate::mesh::Mesh;
 use crate::outcome::Failure;
@@ -146,7 +147,7 @@ impl Printed {
         let left_out = &self.plan.resolved.left_out;
         if !left_out.is_empty() {
             let mm = self.left_out_mm();
-            let amount = format!("{} pieces, {mm:.1} mm of {:.0} mm", left_out.len(), self.path_mm() + mm);
+            let amount = format!("{}, {mm:.1} mm of {:.0} mm", counted(left_out.len(), "piece"), self.path_mm() + mm);
             findings.add(Severity::Warning, "left out: the nozzle would collide with printed material", amount, "");
         }
         let blocked = self.plan.travels.blocked.len();

@@ -25,7 +25,7 @@ const UNKNOWN_MM: f64 = 1e6;
 
 /// The waypoints of a tool path as planning of motions takes them.
 pub fn waypoints(path: &ToolPath) -> Vec<Waypoint> {
-    path.waypoints.iter().map(|waypoint| Waypoint { position: waypoint.tip, axis: waypoint.direction }).collect()
+    path.waypoints.iter().map(|waypoint| Waypoint { position: waypoint.position, axis: waypoint.axis }).collect()
 }
 
 /// The nozzle of a workcell as tool paths are planned with.

@@ -1,13 +1,14 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::print_program::{
-    PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
+    BlendOptions, BlendedSegment, PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_blended,
+    print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, RapidOptions, Step, UrScriptOptions, WriteError, write_rapid,
+    FILAMENT_FULL_SCALE_MM_S, RapidOptions, Step, Straight, UrScriptOptions, WriteError, write_rapid,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
-use curvlay_trajectory::print::{PrintPlan, Run, SegmentKind, Travel};
+use curvlay_trajectory::print::{PrintPlan, Run, Segment, SegmentKind, Travel};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::ops::Range;
@@ -57,6 +58,27 @@ pub fn cuts<const N: usize, const F: usize, W: Workcell<N, F>>(
     pieces.into_iter().map(|piece| piece.motions.start).filter(|start| *start > 0).collect()
 }
 
+/// Lines of a URScript of moves with blends: a file of them is about a megabyte.
+const BLENDED_LINES: u32 = 10_000;
+
+/// The runs before which a URScript of moves with blends ends, so that it has at most so many lines; a single run may have more.
+pub fn blended_cuts<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
+    max_lines: Option<u32>,
+) -> BTreeSet<usize> {
+    let most = u64::from(max_lines.unwrap_or(BLENDED_LINES)).saturating_sub(HEAD_LINES);
+    let motions = (0..plan.runs.len()).map(|number| {
+        let lines = blended(cell, plan, number..number + 1).count() as f64;
+        (lines, plan.travels.get(number).is_some_and(Option::is_some))
+    });
+    let pieces = print_pieces(motions, most);
+    pieces.into_iter().map(|piece| piece.motions.start).filter(|start| *start > 0).collect()
+}
+
+/// Lines of a script that are no steps, and those of the ways from home and back.
+const HEAD_LINES: u64 = 60;
+
 /// The runs of each program: from home to home where the plan has such ways, else up to the last travel that was found.
 pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Range<usize>> {
     let mut pieces: Vec<Range<usize>> = Vec::new();
@@ -68,6 +90,11 @@ pub fn pieces<const N: usize, const F: usize>(plan: &PrintPlan<N, F>) -> Vec<Ran
         }
     }
     pieces
+}
+
+/// The name of one of several programs of targets: `print`, or `print1` and so on.
+pub fn program_name(count: usize, number: usize) -> String {
+    if count == 1 { "print".to_owned() } else { format!("print{}", number + 1) }
 }
 
 /// Some runs and the travels behind them as joints of the arm over time, at the rate of its controller; signals of the extruder as
@@ -92,6 +119,44 @@ pub fn stream<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     });
     let options = StreamOptions::of_workcell(cell.equipment());
     print_stream(ends.map(|joints| joints.map_or([0.0; 6], |joints| arm(&joints))), legs, options)
+}
+
+/// Time between two samples of a motion at most, in seconds: at 100 mm/s the tip is a millimetre further.
+const SAMPLE_S: f64 = 0.01;
+
+/// The times of the samples of a motion.
+fn sample_times(duration: f64) -> impl Iterator<Item = f64> {
+    let count = (duration / SAMPLE_S).ceil().max(1.0) as u32;
+    (0..=count).map(move |k| if k == count { duration } else { f64::from(k) / f64::from(count) * duration })
+}
+
+/// A motion as samples, from which a program of moves with blends takes the ends of its moves.
+pub fn samples<const N: usize, const F: usize>(segment: &Segment<'_, N, F>) -> Vec<PrintKnot<N>> {
+    let knot = |time_s| PrintKnot { time_s, joints: segment.at(time_s), filament_mm: segment.filament_mm(time_s) };
+    sample_times(segment.duration()).map(knot).collect()
+}
+
+/// Some runs, the travels behind them and the ways from home and back as few moves with blends.
+pub fn blended<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &'a W,
+    plan: &'a PrintPlan<N, F>,
+    runs: Range<usize>,
+) -> impl Iterator<Item = Step> + 'a {
+    let segments = plan
+        .segments(runs)
+        .map(|segment| BlendedSegment { samples: samples(&segment), prints: segment.kind == SegmentKind::Print });
+    print_blended(cell, segments, BlendOptions::of_workcell(cell.equipment()))
+}
+
+/// Options of a URScript of moves with blends: those of a stream, with `movep` and the acceleration by which the times of moves are reckoned.
+pub fn blended_options<const N: usize, const F: usize, W: Workcell<N, F>>(
+    cell: &W,
+    plan: &PrintPlan<N, F>,
+    name: &str,
+) -> UrScriptOptions {
+    let BlendOptions { acceleration_mm_s2, acceleration_rad_s2, .. } = BlendOptions::of_workcell(cell.equipment());
+    let options = urscript_options(cell, plan, name);
+    UrScriptOptions { straight: Straight::MoveP, acceleration_mm_s2, acceleration_rad_s2, ..options }
 }
 
 /// The least of 1, 2, 5, 10, 20 ... that holds a speed: so a signal uses half of its range or nearly so, and prints of one kind have

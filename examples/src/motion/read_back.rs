@@ -3,11 +3,12 @@
 //! Between the checked motions and the robot are cuts, ticks, merged lines, signals and rounded numbers. Those are judged here, on the steps
 //! that a reader finds in the files.
 
-use super::programs::takes_stream;
+use super::programs::{samples, takes_stream};
 use curvlay_kinematics::program::{Goal, Move, Step};
+use curvlay_kinematics::scene::Mount;
 use curvlay_kinematics::workcell::Workcell;
-use curvlay_trajectory::print::{PrintPlan, Segment};
-use nalgebra::Point3;
+use curvlay_trajectory::print::{PrintPlan, Segment, SegmentKind};
+use nalgebra::{Isometry3, Point3};
 use std::ops::Range;
 
 /// How far joints may be from those of home, in radians: what degrees with five digits leave.
@@ -48,6 +49,31 @@ impl ReadBack {
     /// The first of the reader.
     pub fn add<const N: usize, const F: usize, W: Workcell<N, F>, E>(
         &mut self,
+        print: (&W, &PrintPlan<N, F>, &[f64; N]),
+        runs: Range<usize>,
+        steps: impl IntoIterator<Item = Result<Step, E>>,
+    ) -> Result<(), E> {
+        let is_stream = takes_stream(print.0.equipment()).unwrap_or(false);
+        self.add_as(if is_stream { Kind::Stream } else { Kind::Targets }, print, runs, steps)
+    }
+
+    /// Takes in a URScript of moves with blends, whose lines end at samples of the motions. Its speeds are those of the TCP.
+    ///
+    /// # Errors
+    /// As of [`ReadBack::add`].
+    pub fn add_blended<const N: usize, const F: usize, W: Workcell<N, F>, E>(
+        &mut self,
+        print: (&W, &PrintPlan<N, F>, &[f64; N]),
+        runs: Range<usize>,
+        steps: impl IntoIterator<Item = Result<Step, E>>,
+    ) -> Result<(), E> {
+        let is_held = matches!(print.0.equipment().part_frame().0, Mount::Link(_));
+        self.add_as(Kind::Blended { is_held }, print, runs, steps)
+    }
+
+    fn add_as<const N: usize, const F: usize, W: Workcell<N, F>, E>(
+        &mut self,
+        kind: Kind,
         (cell, plan, home): (&W, &PrintPlan<N, F>, &[f64; N]),
         runs: Range<usize>,
         steps: impl IntoIterator<Item = Result<Step, E>>,
@@ -55,48 +81,22 @@ impl ReadBack {
         let legs: Vec<Segment<'_, N, F>> = plan.segments(runs.clone()).collect();
         let filament = plan.runs[runs.clone()].iter().filter_map(|run| run.filament_mm.last());
         self.planned_mm += filament.sum::<f64>();
-        let mut checked = Checked { legs: &legs, begin: 0.0, time: 0.0 };
-        let mut lines = Lines { cell, plan, runs, targets: Vec::new(), is_cut_short: false };
-        let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
-        let tip = |joints: &[f64; N]| cell.nozzle_on_part(joints).map(|nozzle| Point3::from(nozzle.translation.vector));
-        let (mut is_on, mut fed, mut place) = (false, 0.0, None);
-        // Where it begins, and where it is.
-        let mut ends: [Option<[f64; 6]>; 2] = [None; 2];
+        let mut tool = Tool {
+            cell,
+            kind,
+            checked: Checked { legs: &legs, begin: 0.0, time: 0.0 },
+            lines: Lines { cell, plan, runs, kind, targets: Vec::new(), is_cut_short: false },
+            is_on: false,
+            fed: 0.0,
+            place: None,
+            pose: None,
+            ends: [None; 2],
+        };
         for step in steps {
-            match step? {
-                Step::Signal { .. } | Step::Wait(_) => {}
-                Step::FilamentSpeed(mm_s) => fed = mm_s,
-                Step::Extruder(on) => {
-                    if on && !is_on && !is_stream {
-                        place = lines.begin();
-                    }
-                    is_on = on;
-                }
-                Step::Servo { joints, seconds } => {
-                    let (to, expected) =
-                        (tip(&of_cell(&joints)), checked.after(seconds).and_then(|joints| tip(&joints)));
-                    self.off_mm = self.off_mm.max(distance(to, expected).unwrap_or(f64::INFINITY));
-                    if is_on {
-                        self.filament_mm += fed * seconds;
-                    } else {
-                        self.travel_mm_s = self.travel_mm_s.max(distance(place, to).unwrap_or(0.0) / seconds);
-                    }
-                    (place, ends[1]) = (to, Some(joints));
-                }
-                Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
-                    ends = [ends[0].or(Some(joints)), Some(joints)];
-                    place = tip(&of_cell(&joints));
-                }
-                Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
-                    let to = Point3::from(target.pose.translation.vector);
-                    self.off_mm = self.off_mm.max(lines.to(&to));
-                    let length = distance(place, Some(to)).unwrap_or(0.0);
-                    self.filament_mm += if is_on { fed * length / speed.mm_s } else { 0.0 };
-                    (place, ends[1]) = (Some(to), None);
-                }
-            }
+            tool.pass(&step?, self);
         }
-        if !is_stream && lines.are_cut_short() {
+        let Tool { lines, ends, .. } = tool;
+        if kind != Kind::Stream && lines.are_cut_short() {
             self.off_mm = f64::INFINITY;
         }
         let home = cell.scene_posture(home).joints;
@@ -106,6 +106,64 @@ impl ReadBack {
         self.programs += 1;
         self.not_at_home += usize::from(!ends.iter().all(is_home));
         Ok(())
+    }
+}
+
+/// Extruder and nozzle along the steps of a program.
+struct Tool<'a, const N: usize, const F: usize, W> {
+    cell: &'a W,
+    kind: Kind,
+    checked: Checked<'a, N, F>,
+    lines: Lines<'a, N, F, W>,
+    is_on: bool,
+    /// Speed of the filament in mm/s.
+    fed: f64,
+    /// Where the tip is, if joints say it.
+    place: Option<Point3<f64>>,
+    /// Where the tool is on the part while it goes in lines.
+    pose: Option<Isometry3<f64>>,
+    /// Joints where the program begins, and where it is.
+    ends: [Option<[f64; 6]>; 2],
+}
+
+impl<const N: usize, const F: usize, W: Workcell<N, F>> Tool<'_, N, F, W> {
+    fn tip(&self, joints: &[f64; N]) -> Option<Point3<f64>> {
+        self.cell.nozzle_on_part(joints).map(|nozzle| Point3::from(nozzle.translation.vector))
+    }
+
+    /// Goes on by a step, and adds what it lays and how far it is off.
+    fn pass(&mut self, step: &Step, read: &mut ReadBack) {
+        match step {
+            Step::Signal { .. } | Step::Wait(_) => {}
+            Step::FilamentSpeed(mm_s) => self.fed = *mm_s,
+            Step::Extruder(on) => {
+                if *on && !self.is_on && self.kind != Kind::Stream {
+                    self.pose = self.lines.begin();
+                }
+                self.is_on = *on;
+            }
+            Step::Servo { joints, seconds } => {
+                let expected = self.checked.after(*seconds).and_then(|joints| self.tip(&joints));
+                let to = self.tip(&of_cell(joints));
+                read.off_mm = read.off_mm.max(distance(to, expected).unwrap_or(f64::INFINITY));
+                if self.is_on {
+                    read.filament_mm += self.fed * seconds;
+                } else {
+                    read.travel_mm_s = read.travel_mm_s.max(distance(self.place, to).unwrap_or(0.0) / seconds);
+                }
+                (self.place, self.ends[1]) = (to, Some(*joints));
+            }
+            Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
+                self.ends = [self.ends[0].or(Some(*joints)), Some(*joints)];
+                self.place = self.tip(&of_cell(joints));
+            }
+            Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
+                read.off_mm = read.off_mm.max(self.lines.to(&tip_of(&target.pose)));
+                let length = self.pose.map_or(0.0, |from| self.kind.way(&from, &target.pose));
+                read.filament_mm += if self.is_on { self.fed * length / speed.mm_s } else { 0.0 };
+                (self.pose, self.ends[1]) = (Some(target.pose), None);
+            }
+        }
     }
 }
 
@@ -130,21 +188,47 @@ impl<const N: usize, const F: usize> Checked<'_, N, F> {
     }
 }
 
+/// What a program is.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// Joints over time.
+    Stream,
+    /// Lines from waypoint to waypoint, at the speed of the tip.
+    Targets,
+    /// Lines from sample to sample, at the speed of the TCP: of the part, if the robot holds it.
+    Blended { is_held: bool },
+}
+
+impl Kind {
+    /// How far it is from one pose of the tool on the part to another, by what its speeds are of.
+    fn way(self, from: &Isometry3<f64>, to: &Isometry3<f64>) -> f64 {
+        match self {
+            Kind::Blended { is_held: true } => (tip_of(&from.inverse()) - tip_of(&to.inverse())).norm(),
+            _ => (tip_of(from) - tip_of(to)).norm(),
+        }
+    }
+}
+
+fn tip_of(pose: &Isometry3<f64>) -> Point3<f64> {
+    Point3::from(pose.translation.vector)
+}
+
 /// The lines that are to be gone along.
 struct Lines<'a, const N: usize, const F: usize, W> {
     cell: &'a W,
     plan: &'a PrintPlan<N, F>,
     /// Runs that are not begun.
     runs: Range<usize>,
+    kind: Kind,
     /// Where lines may end: from the last one that was reached on.
-    targets: Vec<Point3<f64>>,
+    targets: Vec<Isometry3<f64>>,
     /// Whether a run was not ended before the next one was begun.
     is_cut_short: bool,
 }
 
 impl<const N: usize, const F: usize, W: Workcell<N, F>> Lines<'_, N, F, W> {
     /// Begins the next run: where the tip is then.
-    fn begin(&mut self) -> Option<Point3<f64>> {
+    fn begin(&mut self) -> Option<Isometry3<f64>> {
         if self.targets.len() > 1 {
             self.is_cut_short = true;
         }
@@ -154,7 +238,7 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Lines<'_, N, F, W> {
 
     /// A line to some place: how far that is from one that is to be passed.
     fn to(&mut self, tip: &Point3<f64>) -> f64 {
-        let off_mm = |at: &Point3<f64>| (at - tip).norm();
+        let off_mm = |at: &Isometry3<f64>| (tip_of(at) - tip).norm();
         let passed = self.targets.iter().position(|at| off_mm(at) <= MAX_OFF_MM);
         // Waypoints next to each other may be one place.
         let all =
@@ -164,12 +248,16 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Lines<'_, N, F, W> {
         nearest
     }
 
-    /// The tip at the waypoints of a run, as a controller has it.
-    fn targets_of(&self, run: usize) -> Vec<Point3<f64>> {
+    /// The tool at the waypoints, or at the samples, of a run, as a controller has it.
+    fn targets_of(&self, run: usize) -> Vec<Isometry3<f64>> {
+        let pose = |joints: &[f64; N]| self.cell.controller_pose(joints).map(|place| place.target.pose);
+        if matches!(self.kind, Kind::Blended { .. }) {
+            let print = self.plan.segments(run..run + 1).find(|segment| segment.kind == SegmentKind::Print);
+            return print
+                .map_or(Vec::new(), |print| samples(&print).iter().filter_map(|knot| pose(&knot.joints)).collect());
+        }
         let run = &self.plan.runs[run];
-        let pose = |knot: usize| self.cell.controller_pose(&run.trajectory.joints()[knot]);
-        let places = run.passes.iter().filter_map(|&(knot, _)| pose(knot));
-        places.map(|place| Point3::from(place.target.pose.translation.vector)).collect()
+        run.passes.iter().filter_map(|&(knot, _)| pose(&run.trajectory.joints()[knot])).collect()
     }
 
     /// Whether a run is not ended, or not begun.

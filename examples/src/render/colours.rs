@@ -18,7 +18,7 @@ const LIGHTNESS: [f64; 2] = [0.40, 0.91];
 const HUE: [f64; 2] = [292.0, 96.0];
 const CHROMA: f64 = 0.135;
 
-/// Bands that the eye can still tell apart on a picture of a thousand pixels.
+/// Bands that the eye can still distinguish on a picture of a thousand pixels.
 const BANDS: u32 = 48;
 /// How much darker every other band is, in lightness. Half of it drowns in the shading, twice of it hides the ramp.
 const BAND_STEP: f64 = 0.075;

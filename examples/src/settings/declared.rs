@@ -14,9 +14,6 @@ use std::path::PathBuf;
 pub const LAYER_HEIGHT_MM: f64 = 0.3;
 /// Width of a bead where neither it nor the cells are given, in millimetres.
 pub const BEAD_MM: f64 = 0.5;
-/// The nozzle where neither it nor the workcell is given: tip flat (mm), half angle (degrees), height of the cone, block (mm). Its tip
-/// is that of an orifice of 0.4 mm.
-pub const NOZZLE: [f64; 4] = [0.8, 45.0, 8.0, 20.0];
 /// Diameter of the platform where it is not given, in millimetres: that of the dissertation.
 pub const PLATFORM_DIAMETER_MM: f64 = 127.5;
 
@@ -119,6 +116,10 @@ pub struct Settings {
     /// How the machine file gives the direction of the nozzle
     #[arg(long, value_enum, default_value_t = Words::Comment, help_heading = FILES)]
     pub dialect: Words,
+    /// G-code flavour of the machine file: klipper, marlin, siemens, heidenhain, or a JSON file of one (toolpath/docs/flavours.md) [default: tip and direction as
+    /// --dialect gives them]
+    #[arg(long, value_name = "NAME|FILE", help_heading = FILES)]
+    pub flavour: Option<String>,
     /// How the machine file counts filament
     #[arg(long, value_enum, default_value_t = Count::Absolute, help_heading = FILES)]
     pub extrusion: Count,

@@ -2,6 +2,7 @@
 
 use super::declared::{Count, Settings, Sparse, TagStyle, Words};
 use curvlay_toolpath::deposit::DepositionOptions;
+use curvlay_toolpath::gcode::flavour::{Flavour, ProgramOptions, write_flavour};
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, Extrusion, Move, Tags, WriteError, WriteOptions, write_gcode};
 use curvlay_toolpath::gouging::GougingOptions;
 use curvlay_toolpath::path::{InfillOptions, InfillPattern};
@@ -89,6 +90,23 @@ impl Settings {
             footer: end.as_deref().unwrap_or(default.footer),
             ..default
         }
+    }
+
+    /// How the machine file is written in a flavour; with the name of the program and the [templates](Settings::templates).
+    pub fn program_options<'a>(&self, name: &'a str, [start, end]: &'a [Option<String>; 2]) -> ProgramOptions<'a> {
+        let WriteOptions { tags, nozzle_celsius, bed_celsius, fan, .. } = self.write_options(&[None, None]);
+        let (start, finish) = (start.as_deref(), end.as_deref());
+        ProgramOptions { name, tags, nozzle_celsius, bed_celsius, fan, start, finish, ..ProgramOptions::default() }
+    }
+
+    /// What would be wrong with a machine file in a flavour however the part looks: found before the work begins.
+    ///
+    /// # Errors
+    /// [`WriteError`] of an option, a template or the flavour.
+    pub fn check_flavour(&self, flavour: &Flavour) -> Result<(), WriteError> {
+        let (templates, direction) = (self.templates(), Vector3::z_axis());
+        let step = Move::Travel { tip: Point3::origin(), direction, feed_mm_s: 1.0 };
+        write_flavour([step], flavour, &self.program_options("check", &templates), io::sink()).map(|_| ())
     }
 
     /// What would be wrong with the machine file however the part looks: found before the work begins.

@@ -1,6 +1,7 @@
 //! Profiles: settings in a JSON file. What a setting may be is what its option may be, so a profile is judged as words of the command line.
 
 use super::declared::Settings;
+use super::flavour::is_file;
 use crate::args::is_typed;
 use crate::input;
 use crate::outcome::Failure;
@@ -17,7 +18,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Reads a profile. The path of a workcell in it counts from its folder.
+    /// Reads a profile. The path of a workcell in it, and that of a flavour, count from its folder.
     ///
     /// # Errors
     /// A line with the file, and line and column or the setting; for an unknown setting with the nearest known one.
@@ -25,8 +26,17 @@ impl Profile {
         let failed = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
         let text = input::read_text(path, input::MAX_SETTINGS_BYTES)?;
         let mut profile = Profile::from_json(&text).map_err(failed)?;
-        if let (Some(Value::String(workcell)), Some(folder)) = (profile.given.get_mut("workcell"), path.parent()) {
-            *workcell = folder.join(&workcell).display().to_string();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        // The name of an arm has no folder.
+        let is_workcell =
+            |given: &str| folder.join(given).exists() || curvlay_kinematics::robots::find(given).is_none();
+        let is_file: [(&str, &dyn Fn(&str) -> bool); 2] = [("workcell", &is_workcell), ("flavour", &is_file)];
+        for (name, is_path) in is_file {
+            if let Some(Value::String(file)) =
+                profile.given.get_mut(name).filter(|file| file.as_str().is_some_and(is_path))
+            {
+                *file = folder.join(&file).display().to_string();
+            }
         }
         Ok(profile)
     }

@@ -22,6 +22,12 @@ pub fn nozzle_shape([tip_flat_mm, half_angle_deg, cone_height_mm, block_mm]: [f6
     NozzleShape { tip_flat_mm, half_angle: half_angle_deg.to_radians(), cone_height_mm, block_mm }
 }
 
+/// The nozzle where neither it nor the workcell is given, as `--nozzle` has it: the library's default.
+pub fn default_nozzle() -> [f64; 4] {
+    let NozzleShape { tip_flat_mm, half_angle, cone_height_mm, block_mm } = NozzleShape::default();
+    [tip_flat_mm, half_angle.to_degrees(), cone_height_mm, block_mm]
+}
+
 /// Most walls, and layers of a skin.
 pub(super) const MAX_COUNT: i64 = 10_000;
 
@@ -72,4 +78,24 @@ pub(super) fn material_density(text: &str) -> Result<f64, String> {
     let [min, max] = DENSITIES;
     let value = above_zero(text)?;
     if (min..=max).contains(&value) { Ok(value) } else { Err(format!("must be from {min} to {max} g/cm3")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{default_nozzle, nozzle_shape};
+    use crate::settings::Settings;
+    use clap::{Args, Command};
+    use curvlay_toolpath::gouging::NozzleShape;
+
+    /// The library alone says what nozzle there is by default; the help repeats it.
+    #[test]
+    fn the_default_nozzle_is_that_of_the_library() {
+        let numbers = default_nozzle();
+        assert_eq!(nozzle_shape(numbers), NozzleShape::default());
+        let command = Settings::augment_args(Command::new("settings"));
+        let help =
+            command.get_arguments().find(|option| option.get_id() == "nozzle").and_then(|option| option.get_help());
+        let named = format!("else {}]", numbers.map(|number| number.to_string()).join(","));
+        assert!(help.unwrap().to_string().ends_with(&named), "{named}");
+    }
 }

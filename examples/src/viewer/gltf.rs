@@ -69,21 +69,28 @@ impl Model {
     /// # Errors
     /// What the system says; `InvalidInput` for more than 4 GB.
     pub fn write_glb(&self, out: &mut dyn Write) -> io::Result<()> {
-        let mut buffer = Buffer::default();
+        let mut file = Gltf { materials: vec![material([0.6, 0.65, 0.72, 0.3])], ..Gltf::default() };
+        for (name, solid) in [("part", &self.part), ("mould", &self.mould)] {
+            let primitive = file.buffer.primitive(&solid.vertices, &flat(&solid.triangles), TRIANGLES, 0);
+            file.add(name.to_owned(), primitive.into_iter().collect());
+        }
+        let beads = self.beads();
+        let last = beads.len().max(2).saturating_sub(1) as f64;
+        for (layer, (points, corners)) in beads.iter().enumerate() {
+            let [r, g, b] = ramp(layer as f64 / last).map(|c| linear(f64::from(c) / 255.0));
+            file.materials.push(material([r, g, b, 1.0]));
+            let surface = self.layers.get(layer).and_then(|sheet| {
+                file.buffer.primitive(&sheet.vertices, &flat(&sheet.triangles), TRIANGLES, layer + 1)
+            });
+            let lines = file.buffer.primitive(points, corners, LINES, layer + 1);
+            file.add(format!("layer {}", layer + 1), surface.into_iter().chain(lines).collect());
+        }
+        file.write(&self.name, out)
+    }
+
+    /// Points and segments of the beads of each layer.
+    fn beads(&self) -> Vec<(Vec<Point3<f64>>, Vec<u32>)> {
         let layers = self.steps.iter().map(|step| step.layer as usize + 1).max().unwrap_or(0).max(self.layers.len());
-        let mut materials = vec![material([0.6, 0.65, 0.72, 0.3])];
-        let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
-        let mut add = |name: String, primitives: Vec<Value>, nodes: &mut Vec<Value>| {
-            if !primitives.is_empty() {
-                meshes.push(json!({ "name": name, "primitives": primitives }));
-                nodes.push(json!({ "name": name, "mesh": meshes.len() - 1 }));
-            }
-        };
-        let flat = |triangles: &[[u32; 3]]| triangles.iter().flatten().copied().collect::<Vec<u32>>();
-        let part = buffer.primitive(&self.part.vertices, &flat(&self.part.triangles), TRIANGLES, 0);
-        add("part".to_owned(), part.into_iter().collect(), &mut nodes);
-        let mould = buffer.primitive(&self.mould.vertices, &flat(&self.mould.triangles), TRIANGLES, 0);
-        add("mould".to_owned(), mould.into_iter().collect(), &mut nodes);
         let mut beads: Vec<(Vec<Point3<f64>>, Vec<u32>)> = vec![Default::default(); layers];
         for pair in self.steps.windows(2).filter(|pair| pair[1].kind != Step::TRAVEL) {
             let (points, corners) = &mut beads[pair[1].layer as usize];
@@ -94,41 +101,61 @@ impl Model {
             let last = points.len() as u32 - 1;
             corners.extend([last - 1, last]);
         }
-        for (layer, (points, corners)) in beads.iter().enumerate() {
-            let [r, g, b] =
-                ramp(layer as f64 / layers.max(2).saturating_sub(1) as f64).map(|c| linear(f64::from(c) / 255.0));
-            materials.push(material([r, g, b, 1.0]));
-            let surface = self.layers.get(layer);
-            let surface = surface
-                .and_then(|sheet| buffer.primitive(&sheet.vertices, &flat(&sheet.triangles), TRIANGLES, layer + 1));
-            let lines = buffer.primitive(points, corners, LINES, layer + 1);
-            add(format!("layer {}", layer + 1), surface.into_iter().chain(lines).collect(), &mut nodes);
+        beads
+    }
+}
+
+/// A file that is being made: a mesh and a node for each name, all below one root.
+#[derive(Default)]
+struct Gltf {
+    buffer: Buffer,
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+}
+
+impl Gltf {
+    /// Adds a mesh with its node; an empty one is left out, which glTF does not allow.
+    fn add(&mut self, name: String, primitives: Vec<Value>) {
+        if !primitives.is_empty() {
+            self.meshes.push(json!({ "name": name, "primitives": primitives }));
+            self.nodes.push(json!({ "name": name, "mesh": self.meshes.len() - 1 }));
         }
-        let children: Vec<usize> = (0..nodes.len()).collect();
+    }
+
+    /// The JSON chunk, padded to whole words.
+    fn json(&mut self, name: &str) -> Vec<u8> {
+        let children: Vec<usize> = (0..self.nodes.len()).collect();
         // Millimetres with z up to metres with y up.
         let matrix = [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, -1e-3, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-        let root = nodes.len();
-        nodes.push(if children.is_empty() {
-            json!({ "name": self.name })
+        let root = self.nodes.len();
+        self.nodes.push(if children.is_empty() {
+            json!({ "name": name })
         } else {
-            json!({ "name": self.name, "children": children, "matrix": matrix })
+            json!({ "name": name, "children": children, "matrix": matrix })
         });
         let mut file = json!({
             "asset": { "version": "2.0", "generator": "curvlay" },
             "scene": 0,
             "scenes": [{ "nodes": [root] }],
-            "nodes": nodes,
+            "nodes": self.nodes,
         });
-        if !meshes.is_empty() {
-            file["meshes"] = json!(meshes);
-            file["materials"] = json!(materials);
-            file["accessors"] = json!(buffer.accessors);
-            file["bufferViews"] = json!(buffer.views);
-            file["buffers"] = json!([{ "byteLength": buffer.bytes.len() }]);
+        if !self.meshes.is_empty() {
+            file["meshes"] = json!(self.meshes);
+            file["materials"] = json!(self.materials);
+            file["accessors"] = json!(self.buffer.accessors);
+            file["bufferViews"] = json!(self.buffer.views);
+            file["buffers"] = json!([{ "byteLength": self.buffer.bytes.len() }]);
         }
         let mut text = file.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
-        let chunks = [(&text, b"JSON"), (&buffer.bytes, b"BIN\0")];
+        text
+    }
+
+    /// Writes header and chunks; a file without meshes has no binary one.
+    fn write(mut self, name: &str, out: &mut dyn Write) -> io::Result<()> {
+        let text = self.json(name);
+        let chunks = [(&text, b"JSON"), (&self.buffer.bytes, b"BIN\0")];
         let chunks = || chunks.iter().filter(|(bytes, _)| !bytes.is_empty());
         let total = 12 + chunks().map(|(bytes, _)| 8 + bytes.len()).sum::<usize>();
         let total = u32::try_from(total).map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "more than 4 GB"))?;
@@ -141,6 +168,11 @@ impl Model {
             out.write_all(bytes)
         })
     }
+}
+
+/// The corners of triangles in a row.
+fn flat(triangles: &[[u32; 3]]) -> Vec<u32> {
+    triangles.iter().flatten().copied().collect()
 }
 
 fn material([r, g, b, a]: [f64; 4]) -> Value {

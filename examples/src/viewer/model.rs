@@ -140,22 +140,57 @@ pub struct Stance {
     pub part: Isometry3<f64>,
 }
 
+/// The cube in which places are whole numbers of 16 bits.
+struct Cube {
+    low: Point3<f64>,
+    high: Point3<f64>,
+    edge: f64,
+    /// Millimetres from a number to the next.
+    step: f64,
+}
+
+impl Cube {
+    fn new([low, high]: [Point3<f64>; 2]) -> Self {
+        let edge = (high - low).max().max(1e-6);
+        Cube { low, high, edge, step: edge / 65535.0 }
+    }
+
+    /// Adds a column for each axis.
+    fn add_points(&self, columns: &mut Columns, name: &str, points: &mut dyn Iterator<Item = Point3<f64>>) {
+        let place = |at: f64, axis: usize| ((at - self.low[axis]) / self.step).round().clamp(0.0, 65535.0) as u32;
+        let points: Vec<Point3<f64>> = points.collect();
+        for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+            columns.add::<2>(&format!("{name}.{letter}"), points.iter().map(|point| place(point[axis], axis)));
+        }
+    }
+}
+
 impl Model {
     /// The figures, and the columns deflated.
     pub(super) fn pack(&self) -> (Value, Vec<u8>) {
-        let [low, high] = self.bounds();
-        let edge = (high - low).max().max(1e-6);
-        let step = edge / 65535.0;
-        let place =
-            |point: &Point3<f64>, axis: usize| ((point[axis] - low[axis]) / step).round().clamp(0.0, 65535.0) as u32;
+        let cube = Cube::new(self.bounds());
         let mut columns = Columns::default();
-        let points = |columns: &mut Columns, name: &str, points: &mut dyn Iterator<Item = Point3<f64>>| {
-            let points: Vec<Point3<f64>> = points.collect();
-            for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
-                columns.add::<2>(&format!("{name}.{letter}"), points.iter().map(|point| place(point, axis)));
-            }
-        };
-        points(&mut columns, "step", &mut self.steps.iter().map(|step| step.tip));
+        let sizes = self.pack_steps(&cube, &mut columns);
+        for (name, solid) in [("part", &self.part), ("mould", &self.mould)] {
+            let is_fine = solid.triangles.len() > PART_TRIANGLES;
+            let solid = if is_fine { &clustered(solid, cube.edge / PART_CUBES) } else { solid };
+            cube.add_points(&mut columns, name, &mut solid.vertices.iter().copied());
+            columns.add::<4>(&format!("{name}.corner"), solid.triangles.iter().flatten().copied());
+        }
+        self.pack_layers(&cube, &mut columns);
+        cube.add_points(&mut columns, "end", &mut self.ends.iter().flat_map(|(_, line)| *line));
+        columns.add::<4>("end.layer", self.ends.iter().map(|(layer, _)| *layer));
+        let places = || self.marks.iter().flat_map(|marks| &marks.places);
+        cube.add_points(&mut columns, "mark", &mut places().map(|place| place.at));
+        columns.add::<4>("mark.path", places().map(|place| place.path.unwrap_or(u32::MAX)));
+        let robot = self.robot.as_ref().map(|robot| robot.pack(&mut columns));
+        let (names, deflated) = columns.finish();
+        (self.header(&cube, sizes, &robot, &names), deflated)
+    }
+
+    /// The columns of the steps. Returns the greatest width and height of a bead, which their columns are shares of.
+    fn pack_steps(&self, cube: &Cube, columns: &mut Columns) -> [f64; 2] {
+        cube.add_points(columns, "step", &mut self.steps.iter().map(|step| step.tip));
         let [width, height] =
             [|s: &Step| s.width, |s: &Step| s.height].map(|of| self.steps.iter().map(of).fold(1e-9, f64::max));
         let octahedral: Vec<[u32; 2]> = self.steps.iter().map(|step| octahedral(&step.direction)).collect();
@@ -172,16 +207,15 @@ impl Model {
         columns.add::<4>("step.t", ticks);
         columns.add::<4>("step.layer", self.steps.iter().map(|step| step.layer));
         columns.add::<4>("step.path", self.steps.iter().map(|step| step.path));
-        for (name, solid) in [("part", &self.part), ("mould", &self.mould)] {
-            let is_fine = solid.triangles.len() > PART_TRIANGLES;
-            let solid = if is_fine { &clustered(solid, edge / PART_CUBES) } else { solid };
-            points(&mut columns, name, &mut solid.vertices.iter().copied());
-            columns.add::<4>(&format!("{name}.corner"), solid.triangles.iter().flatten().copied());
-        }
+        [width, height]
+    }
+
+    /// The columns of the layers' surfaces, coarser where they have many triangles.
+    fn pack_layers(&self, cube: &Cube, columns: &mut Columns) {
         let many = self.layers.iter().map(|layer| layer.triangles.len()).sum::<usize>() > LAYER_TRIANGLES;
-        let fewer = |layer: &Mesh| if many { clustered(layer, edge / LAYER_CUBES) } else { layer.clone() };
+        let fewer = |layer: &Mesh| if many { clustered(layer, cube.edge / LAYER_CUBES) } else { layer.clone() };
         let layers: Vec<Mesh> = self.layers.iter().map(fewer).collect();
-        points(&mut columns, "sheet", &mut layers.iter().flat_map(|layer| layer.vertices.iter().copied()));
+        cube.add_points(columns, "sheet", &mut layers.iter().flat_map(|layer| layer.vertices.iter().copied()));
         let firsts: Vec<u32> = starts(layers.iter().map(|layer| layer.vertices.len()));
         let corners = layers
             .iter()
@@ -189,14 +223,12 @@ impl Model {
             .flat_map(|(layer, first)| layer.triangles.iter().flatten().map(move |c| c + first));
         columns.add::<4>("sheet.corner", corners);
         columns.add::<4>("sheet.first", starts(layers.iter().map(|layer| 3 * layer.triangles.len())).into_iter());
-        points(&mut columns, "end", &mut self.ends.iter().flat_map(|(_, line)| *line));
-        columns.add::<4>("end.layer", self.ends.iter().map(|(layer, _)| *layer));
-        let places = || self.marks.iter().flat_map(|marks| &marks.places);
-        points(&mut columns, "mark", &mut places().map(|place| place.at));
-        columns.add::<4>("mark.path", places().map(|place| place.path.unwrap_or(u32::MAX)));
-        let robot = self.robot.as_ref().map(|robot| robot.pack(&mut columns));
+    }
+
+    /// What the viewer knows besides the columns.
+    fn header(&self, cube: &Cube, [width, height]: [f64; 2], robot: &Option<Value>, names: &Value) -> Value {
+        let [low, high] = [cube.low, cube.high];
         let nozzle = self.nozzle.map(|nozzle| [nozzle.tip, nozzle.half_angle_deg, nozzle.cone, nozzle.block]);
-        let (names, deflated) = columns.finish();
         let [mm, mm3] = self.laid.unwrap_or_else(|| self.laid_by_steps());
         // What is framed: what is built, with room for the nozzle on it; travels of a robot to its home are far away.
         let built = self.built();
@@ -205,14 +237,14 @@ impl Model {
         let nozzle_mm =
             self.nozzle.filter(|_| built.is_some() && !self.steps.is_empty()).map_or(0.0, |nozzle| nozzle.cone);
         let around_mm = (diagonal + 2.0 * nozzle_mm).max(1e-6);
-        let header = json!({
+        json!({
             "name": self.name,
             "low": [low.x, low.y, low.z],
             "high": [high.x, high.y, high.z],
             "built": built.is_some(),
             "middle": [middle.x, middle.y, middle.z],
             "around": around_mm,
-            "unit": step,
+            "unit": cube.step,
             "width": width / SIZES,
             "height": height / SIZES,
             "tick": 1.0 / TICKS,
@@ -228,8 +260,7 @@ impl Model {
             "density": self.density_g_cm3,
             "ramp": (0..=RAMP).map(|at| ramp(f64::from(at) / f64::from(RAMP))).collect::<Vec<_>>(),
             "columns": names,
-        });
-        (header, deflated)
+        })
     }
 
     /// Length in millimetres and volume in cubic millimetres of all beads, by the steps.

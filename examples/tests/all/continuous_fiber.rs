@@ -76,35 +76,56 @@ fn the_specimens_have_their_tapes() {
         let file = moves(&path.join(format!("{name}.gcode")));
         let laid = file.iter().filter(|step| matches!(step, Move::Fiber(FiberCommand::Cut))).count();
         assert_eq!(laid, tapes, "{name}");
-        // Thermoplastic below and above each layer of tape.
-        let order: String = file
-            .iter()
-            .filter_map(|step| match step {
-                Move::Fiber(FiberCommand::Tool(Tool::Roller)) => Some('t'),
-                Move::Print { .. } => Some('p'),
-                _ => None,
-            })
-            .collect();
-        let mut runs: Vec<char> = order.chars().collect();
-        runs.dedup();
-        assert_eq!(runs.iter().collect::<String>(), format!("{}p", "pt".repeat(tapes)), "{name}");
-        // The roller presses along the normal of what it rolls over: across its way.
-        let mut at: Option<Point3<f64>> = None;
-        for step in &file {
-            match step {
-                Move::Lay { tip, direction, .. } => {
-                    let way = *tip - at.unwrap();
-                    assert!(way.normalize().dot(&direction.into_inner()).abs() < 0.05, "{name}");
-                    at = Some(*tip);
-                }
-                Move::Travel { tip, .. } | Move::Print { tip, .. } => at = Some(*tip),
-                _ => {}
-            }
-        }
+        tapes_lie_between_beads(&file, name, tapes);
     }
     assert!(figure("covered_fraction") >= 0.95 && figure("overlap_fraction") <= 0.02);
     assert!(figure("min_radius_mm") >= figure("allowed_radius_mm"));
     assert!(figure("angle_to_principal_deg") <= 15.0);
+    theory_meets_the_tests(&figure);
+    assert!(moves(&path.join("arc_planar.gcode")).iter().any(|step| matches!(step, Move::Print { .. })));
+    assert_eq!(summary["motion_faults"], 0);
+    assert!(figure("motion_turn_deg") < 2.1 && figure("motion_deviation_mm") < 0.1);
+    the_head_lays_six_tapes(&path.join("arc_tapes_001.script"));
+    let csv = fs::read_to_string(path.join("tapes.csv")).unwrap();
+    assert!(csv.starts_with("part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm\ndumbbell,1,1,"));
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert_eq!(report.matches("data:image/png;base64,").count(), 5);
+    // By how much theory is off is computed; the arc's plan says what is laid, and what is not.
+    let off = 100.0 * (figure("modulus_gpa") / 2.32 - 1.0);
+    assert!(report.contains(&format!("Ours is {off:.2} % above the measured figure. Possible reasons: ")));
+    assert!(report.contains(&format!("{} motions for the 6 tapes of the arc", figure("motion_runs"))));
+    assert!(report.contains(" s, 0 faults."));
+}
+
+/// Thermoplastic below and above each layer of tape; the roller presses along the normal of what it rolls over: across its way.
+fn tapes_lie_between_beads(file: &[Move], name: &str, tapes: usize) {
+    let order: String = file
+        .iter()
+        .filter_map(|step| match step {
+            Move::Fiber(FiberCommand::Tool(Tool::Roller)) => Some('t'),
+            Move::Print { .. } => Some('p'),
+            _ => None,
+        })
+        .collect();
+    let mut runs: Vec<char> = order.chars().collect();
+    runs.dedup();
+    assert_eq!(runs.iter().collect::<String>(), format!("{}p", "pt".repeat(tapes)), "{name}");
+    let mut at: Option<Point3<f64>> = None;
+    for step in file {
+        match step {
+            Move::Lay { tip, direction, .. } => {
+                let way = *tip - at.unwrap();
+                assert!(way.normalize().dot(&direction.into_inner()).abs() < 0.05, "{name}");
+                at = Some(*tip);
+            }
+            Move::Travel { tip, .. } | Move::Print { tip, .. } => at = Some(*tip),
+            _ => {}
+        }
+    }
+}
+
+/// Stiffness and delamination by theory beside the measured.
+fn theory_meets_the_tests(figure: &dyn Fn(&str) -> f64) {
     // Theory beside the measured: an upper bound, and never less than the thermoplastic alone.
     assert_eq!((figure("measured_modulus_gpa"), figure("measured_rigidity_nm2")), (2.32, 0.671));
     assert!(figure("modulus_gpa") > 2.32 && figure("rigidity_perfect_nm2") > 0.671);
@@ -120,29 +141,20 @@ fn the_specimens_have_their_tapes() {
     // The chord just above the inner cylinder: 2 sqrt(64.2^2 - 60^2), and no layer lies right there.
     let longest = figure("arc_planar_longest_tape_mm");
     assert!(longest > 40.0 && longest <= 2.0 * (64.2f64.powi(2) - 3600.0).sqrt(), "{longest}");
-    assert!(moves(&path.join("arc_planar.gcode")).iter().any(|step| matches!(step, Move::Print { .. })));
-    assert_eq!(summary["motion_faults"], 0);
-    assert!(figure("motion_turn_deg") < 2.1 && figure("motion_deviation_mm") < 0.1);
-    let script = fs::read(path.join("arc_tapes_001.script")).unwrap();
+}
+
+/// Six tapes by their signals; at home the roller comes and gets hot, and the arm waits for both.
+fn the_head_lays_six_tapes(script: &Path) {
+    let script = fs::read(script).unwrap();
     let steps: Vec<Step> = UrScriptReader::new(&script[..]).unwrap().map(Result::unwrap).collect();
     for signal in [HeadSignal::Feed, HeadSignal::Press, HeadSignal::Cut] {
         let count = |on| steps.iter().filter(|step| **step == Step::Signal { signal, on }).count();
         assert_eq!((count(true), count(false)), (6, 6), "{signal:?}");
     }
-    // At home the roller comes and gets hot, and the arm waits for both.
     let on = |signal: HeadSignal| Step::Signal { signal, on: true };
     assert!(matches!(steps[0], Step::Move(_)));
     let waits = [Step::Wait(HeadInput::ToolReady), Step::Wait(HeadInput::Hot)];
     assert_eq!(steps[1..5], [on(HeadSignal::Roller), waits[0], on(HeadSignal::Heat), waits[1]]);
-    let csv = fs::read_to_string(path.join("tapes.csv")).unwrap();
-    assert!(csv.starts_with("part,layer,tape,x_mm,y_mm,z_mm,nx,ny,nz,radius_mm\ndumbbell,1,1,"));
-    let report = fs::read_to_string(path.join("report.html")).unwrap();
-    assert_eq!(report.matches("data:image/png;base64,").count(), 5);
-    // By how much theory is off is computed; the arc's plan says what is laid, and what is not.
-    let off = 100.0 * (figure("modulus_gpa") / 2.32 - 1.0);
-    assert!(report.contains(&format!("Ours is {off:.2} % above the measured figure. Possible reasons: ")));
-    assert!(report.contains(&format!("{} motions for the 6 tapes of the arc", figure("motion_runs"))));
-    assert!(report.contains(" s, 0 faults."));
 }
 
 /// Every key of a summary is in the section of docs/formats/studies.md.

@@ -44,6 +44,19 @@ fn the_spiral_is_planned_on_both_robots() {
     assert!(findings.lines().all(|line| line.starts_with("warning: steered_svm_")), "{findings}");
     assert_documented(&path);
     let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key}"));
+    methods_lower_jerk(&path, &figure);
+    indicators_are_rated(&figure);
+    motions_are_steered(&summary, &figure);
+    // Nothing passes its bounds here, and every method has its motion.
+    assert!(summary.keys().all(|key| !key.contains("freed") && (!key.ends_with("notes") || key == "findings_notes")));
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert_eq!(report.matches("data:image/png;base64,").count(), 4);
+    assert!(report.contains("Table 4.1") && report.contains("Indicators past the post"));
+    measures_of_jerk(&path, &report, &figure);
+}
+
+/// Each method has a motion for each robot, with less jerk than what it starts from.
+fn methods_lower_jerk(path: &Path, figure: &dyn Fn(&str) -> f64) {
     for robot in ["ur3", "cell8"] {
         for method in ["ladder", "local", "global", "grid"] {
             for key in ["j", "spline_jerk", "max_jerk", "max_waypoint_jerk", "max_velocity", "plan_s"] {
@@ -62,6 +75,10 @@ fn the_spiral_is_planned_on_both_robots() {
         let csv = fs::read_to_string(path.join(format!("{robot}_trajectory.csv"))).unwrap();
         assert_eq!(csv.lines().count(), 1 + 60 + 2 * 4);
     }
+}
+
+/// Rates of the learned and the geometric indicators.
+fn indicators_are_rated(figure: &dyn Fn(&str) -> f64) {
     // The motion around the slab is free by the exact scene, and the geometric indicator is nearly as good.
     assert_eq!((figure("collisions"), figure("motions_verified")), (0.0, 67.0));
     for place in ["near", "contact"] {
@@ -77,6 +94,19 @@ fn the_spiral_is_planned_on_both_robots() {
             }
         }
     }
+    // A shifted bias finds more and cries wolf more often.
+    for place in ["near", "contact"] {
+        assert!(figure(&format!("svm_shifted_tnr_{place}")) <= figure(&format!("svm_tnr_{place}")));
+        assert!(figure(&format!("svm_shifted_missed_{place}")) <= figure(&format!("svm_missed_{place}")));
+    }
+    assert_eq!((figure("svm_bias_shift"), figure("svm_shifted_bias_shift")), (0.0, 1.0));
+    assert_eq!((figure("svm_samples"), figure("geometric_kernels")), (150.0, 0.0));
+    assert_eq!((figure("svm_gap_samples"), figure("svm_gap_checked")), (150.0, 650.0));
+    assert!(figure("svm_kernels") > 0.0 && figure("geometric_evaluation_us") > 0.0);
+}
+
+/// Motions past a post: those that indicators steer, and those that are repaired.
+fn motions_are_steered(summary: &serde_json::Map<String, serde_json::Value>, figure: &dyn Fn(&str) -> f64) {
     // The post is in the way of a motion that nothing steers; what the geometric indicator steers passes it, and repair frees the others.
     assert_eq!((figure("post_mm"), figure("post_waypoints")), (50.0, 60.0));
     assert!(figure("steered_unsteered_global_colliding") > 0.0);
@@ -92,22 +122,11 @@ fn the_spiral_is_planned_on_both_robots() {
             }
         }
     }
-    // A shifted bias finds more and cries wolf more often.
-    for place in ["near", "contact"] {
-        assert!(figure(&format!("svm_shifted_tnr_{place}")) <= figure(&format!("svm_tnr_{place}")));
-        assert!(figure(&format!("svm_shifted_missed_{place}")) <= figure(&format!("svm_missed_{place}")));
-    }
-    assert_eq!((figure("svm_bias_shift"), figure("svm_shifted_bias_shift")), (0.0, 1.0));
-    assert_eq!((figure("svm_samples"), figure("geometric_kernels")), (150.0, 0.0));
-    assert_eq!((figure("svm_gap_samples"), figure("svm_gap_checked")), (150.0, 650.0));
-    assert!(figure("svm_kernels") > 0.0 && figure("geometric_evaluation_us") > 0.0);
-    // Nothing passes its bounds here, and every method has its motion.
-    assert!(summary.keys().all(|key| !key.contains("freed") && (!key.ends_with("notes") || key == "findings_notes")));
-    let report = fs::read_to_string(path.join("report.html")).unwrap();
-    assert_eq!(report.matches("data:image/png;base64,").count(), 4);
-    assert!(report.contains("Table 4.1") && report.contains("Indicators past the post"));
-    // Both measures of the greatest jerk, of every method beside the dissertation's, of all joints and joint by joint. The one at the
-    // waypoints by Eq. 4.10 is computed from what is written.
+}
+
+/// Both measures of the greatest jerk, of every method beside the dissertation's, of all joints and joint by joint. The one at the
+/// waypoints by Eq. 4.10 is computed from what is written.
+fn measures_of_jerk(path: &Path, report: &str, figure: &dyn Fn(&str) -> f64) {
     let csv = fs::read_to_string(path.join("ur3_trajectory.csv")).unwrap();
     let rows: Vec<Vec<f64>> =
         csv.lines().skip(1).map(|line| line.split(',').map(|word| word.parse().unwrap()).collect()).collect();

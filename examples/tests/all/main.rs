@@ -2,9 +2,11 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod args;
+mod axis_program;
 mod best_orientation;
 mod boge;
 mod calibrate;
+mod check_cell;
 mod clock;
 mod common;
 mod continuous_fiber;
@@ -20,7 +22,9 @@ mod mesh_formats;
 mod mesh_to_gcode;
 mod mesh_to_robot;
 mod motion;
+mod options;
 mod output;
+mod pages;
 mod plain_data;
 mod planar_arm;
 mod ranges;

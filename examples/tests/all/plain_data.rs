@@ -7,6 +7,8 @@ use curvlay_examples::motion::bounds_of;
 use curvlay_kinematics::{self as kinematics, JointLimits, robots};
 use curvlay_layers::curved::NozzleRule;
 use curvlay_toolpath::gouging::{Nozzle, NozzleShape};
+use curvlay_toolpath::orientation;
+use curvlay_toolpath::path::BeadKind;
 use curvlay_trajectory::{Bounds, check, print};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 
@@ -37,7 +39,7 @@ fn waypoints() -> Vec<print::Waypoint> {
 #[test]
 fn limits_of_joints_cross_each_way_and_back() {
     let own = JointLimits { acceleration: [5.0; 6], jerk: [1.0 / 3.0; 6], ..robots::UR3.limits };
-    for limits in [JointLimits::NONE, own].into_iter().chain(robots::ARMS.map(|(_, arm)| arm.limits)) {
+    for limits in [JointLimits::NONE, own].into_iter().chain(robots::CATALOGUE.iter().map(|arm| arm.model.limits)) {
         let bounds = bounds_of(&limits);
         assert_eq!(to_limits(&bounds), limits);
         assert_eq!(bounds.check().is_ok(), limits.check().is_ok());
@@ -98,6 +100,18 @@ fn points_of_checked_paths_are_waypoints() {
         let print::Waypoint { position, axis } = waypoint;
         let check::PathPoint { position, axis, passed_s: _ } = check::PathPoint { position, axis, passed_s: Some(0.5) };
         assert_eq!(print::Waypoint { position, axis }, waypoint);
+    }
+}
+
+/// A waypoint of a tool path is a waypoint and the bead that is laid on the way to it.
+#[test]
+fn waypoints_of_tool_paths_are_waypoints() {
+    for waypoint in waypoints() {
+        let print::Waypoint { position, axis } = waypoint;
+        let (width, height, arc, added, lift, kind) = (0.8, 0.3, 0.0, false, Vector3::zeros(), BeadKind::Wall);
+        let on_path = orientation::Waypoint { position, axis, width, height, arc, added, lift, kind };
+        let path = orientation::ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![on_path] };
+        assert_eq!(curvlay_examples::motion::waypoints(&path), [waypoint]);
     }
 }
 

@@ -30,6 +30,21 @@ fn folder(name: &str, boxes: &[[[i32; 3]; 2]]) -> (PathBuf, String) {
     (place, mesh.display().to_string())
 }
 
+/// Keys of figures that a field that was saved has otherwise, since it knows no more of how it was grown.
+const OF_GROWTH: [&str; 11] = [
+    "strategy_used",
+    "layers_by_used",
+    "cell_layers",
+    "small_patch_share",
+    "patches_per_layer",
+    "missed_shadowed",
+    "missed_unsupported",
+    "even_method",
+    "waits",
+    "findings",
+    "findings_warnings",
+];
+
 #[test]
 fn ranges_of_layers_put_together_are_one_run() {
     let (place, mesh) =
@@ -64,22 +79,8 @@ fn ranges_of_layers_put_together_are_one_run() {
     }
     let merged = common::summary(&place.join("merged"));
     for (key, value) in figures.iter().filter(|(key, _)| !key.ends_with("_s")) {
-        // A field that was saved knows no more of how it was grown.
-        let of_growth = [
-            "strategy_used",
-            "layers_by_used",
-            "cell_layers",
-            "small_patch_share",
-            "patches_per_layer",
-            "missed_shadowed",
-            "missed_unsupported",
-            "even_method",
-            "waits",
-            "findings",
-            "findings_warnings",
-        ];
         assert!(
-            of_growth.contains(&key.as_str()) || merged.get(key) == Some(value),
+            OF_GROWTH.contains(&key.as_str()) || merged.get(key) == Some(value),
             "{key}: {value} {:?}",
             merged.get(key)
         );
@@ -104,9 +105,15 @@ fn ranges_of_layers_put_together_are_one_run() {
     refused(&["--layers", "2..9999"], 1, &format!("there are {surfaces} layers; --layers 2..{surfaces}"));
     refused(&["--layers", "9998..9999"], 1, &format!("may begin at {surfaces}"));
     refused(&["--layers", "1/9999"], 1, &format!("9999 pieces of {surfaces} layers"));
-    // Changed: a digit of a width, which the checksum sees; with its checksum put right, a triangle that is not there and weights of
-    // no point.
-    let text = fs::read_to_string(&a).unwrap();
+    for (changed, words) in damaged(&fs::read_to_string(&a).unwrap()) {
+        fs::write(&a, changed).unwrap();
+        refused(&["--merge", &a, &b, &c], 1, words);
+    }
+}
+
+/// A file of paths, changed: a digit of a width, which the checksum sees; with its checksum put right, a triangle that is not there and
+/// weights of no point; lines behind its end; cut short, in a line and after one. With what is said about each.
+fn damaged(text: &str) -> Vec<(String, &'static str)> {
     let (body, _) = text.trim_end().rsplit_once('\n').unwrap();
     let sealed = |body: String| {
         let body = body + "\n";
@@ -121,21 +128,16 @@ fn ranges_of_layers_put_together_are_one_run() {
     let weights = body.find("\"barycentric\":[").unwrap() + "\"barycentric\":[".len();
     let weight = body[weights..].find(',').unwrap();
     let heavy = format!("{}7.5{}", &body[..weights], &body[weights + weight..]);
-    for (changed, words) in [
+    let changed = vec![
         (text.replacen("\"width\":", "\"width\":1", 1), "checksum is another"),
         (sealed(elsewhere), "triangle 4000000000 of "),
         (sealed(heavy), "weights [7.5, "),
-        (text.clone() + "\n", "more follows"),
-    ] {
-        assert_ne!(changed, text);
-        fs::write(&a, changed).unwrap();
-        refused(&["--merge", &a, &b, &c], 1, words);
-    }
-    // Cut short, in a line and after one.
-    for end in [text.len() - 7, text.len() / 2] {
-        fs::write(&a, &text[..end]).unwrap();
-        refused(&["--merge", &a, &b, &c], 1, "line ");
-    }
+        (text.to_owned() + "\n", "more follows"),
+        (text[..text.len() - 7].to_owned(), "line "),
+        (text[..text.len() / 2].to_owned(), "line "),
+    ];
+    assert!(changed.iter().all(|(changed, _)| changed != text));
+    changed
 }
 
 /// Sparse layers in pieces, with support that is sparser than the part, short of it by a cell: what one run makes.

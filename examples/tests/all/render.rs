@@ -167,7 +167,7 @@ fn bars_are_as_thick_from_every_side() {
         assert!(thick.abs_diff(15) <= 1 && long.abs_diff(92) <= 1, "{thick} {long}");
         assert!(looks_like(image.get(50, 30).unwrap(), [200, 100, 50]));
     }
-    // Lying bars have a width as well; a bar from a point to itself is none.
+    // Lying bars have a width as well; a bar from a point to itself is not drawn.
     let mut scene = Scene::new(Camera::from_direction(Vector3::z()));
     let lying = scene.bar(Point3::new(-3.0, 0.0, 0.0), Point3::new(3.0, 0.0, 0.0), 0.5, MISSED).draw(100, 100);
     assert!((0..100).filter(|&y| lying.get(30, y) != Some(WHITE)).count().abs_diff(15) <= 1);

@@ -96,7 +96,17 @@ fn a_mesh_becomes_programs() {
     assert_eq!(report.matches("<circle").count() as u64, whole("segments"));
     assert!(["skeleton.png", "diameter.png", "segments.png"].iter().all(|name| path.join(name).exists()));
 
-    // The machine file: each part is printed along its direction, and nothing is laid on the way from part to part.
+    the_machine_file_follows_the_parts(&path, &text, figure("volume_mm3"));
+
+    // A shorter run leaves nothing of it.
+    let (path, _) =
+        run("tee", &[&words[..], &["--stage", "parts", "--avoid", "planes", "--base", "best"]].concat()).unwrap();
+    let figures = summary(&path);
+    assert!(!path.join("print_001_filament_1.script").exists() && figures.get("layers").is_none());
+}
+
+/// The machine file: each part is printed along its direction, and nothing is laid on the way from part to part. `text` is that of parts.csv.
+fn the_machine_file_follows_the_parts(path: &Path, text: &str, volume_mm3: f64) {
     let file = fs::read(path.join("parts.gcode")).unwrap();
     let moves = GcodeReader::new(&file[..], ReadOptions::default()).unwrap().collect::<Result<Vec<Move>, _>>().unwrap();
     let directions: Vec<Vector3<f64>> = text
@@ -123,13 +133,7 @@ fn a_mesh_becomes_programs() {
     let laid: f64 =
         moves.iter().map(|step| if let Move::Print { filament_mm, .. } = step { *filament_mm } else { 0.0 }).sum();
     let volume = laid * std::f64::consts::PI * 1.75f64.powi(2) / 4.0;
-    assert!((0.5..1.2).contains(&(volume / figure("volume_mm3"))), "{volume}");
-
-    // A shorter run leaves nothing of it.
-    let (path, _) =
-        run("tee", &[&words[..], &["--stage", "parts", "--avoid", "planes", "--base", "best"]].concat()).unwrap();
-    let figures = summary(&path);
-    assert!(!path.join("print_001_filament_1.script").exists() && figures.get("layers").is_none());
+    assert!((0.5..1.2).contains(&(volume / volume_mm3)), "{volume}");
 }
 
 /// Bug: with most of the risky area left the run ended with status 0, and the report said that no side leans out.
@@ -270,7 +274,7 @@ fn bad_input_is_reported_and_leaves_nothing() {
     let (open, ell) = (open.to_str().unwrap(), ell.to_str().unwrap());
     for (name, words, reported) in [
         ("open", vec!["--mesh", open], "must be closed"),
-        ("root", vec!["--mesh", ell, "--root", "99"], "--root 99: there are 3 segments, from 0 to 2"),
+        ("root", vec!["--mesh", ell, "--root", "99"], "--root 99: the mesh has 3 segments, from 0 to 2"),
         ("clusters", vec!["--mesh", ell, "--parts", "1000"], "clusters"),
         ("gone", vec!["--mesh", "no/such/part.stl"], "no/such/part.stl"),
         ("cell", vec!["--mesh", ell, "--workcell", "no/cell.json"], "no/cell.json"),

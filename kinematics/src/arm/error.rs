@@ -61,6 +61,12 @@ pub enum ArmError {
         /// The sign.
         value: f64,
     },
+    /// The coupling of joints 2 and 3 is no whole turn a turn.
+    #[error("`j23_factor` is {value}, it must be -1, 0 or 1")]
+    Coupling {
+        /// Its value.
+        value: f64,
+    },
     /// The place of an axis, of a calibrated arm.
     #[error("the place of axis {}: {source}", joint + 1)]
     Axis {

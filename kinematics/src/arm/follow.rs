@@ -7,11 +7,14 @@
 //! the rate of convergence of the Levenberg-Marquardt method", 2001), which converges where the Jacobian has lost
 //! rank, too. Each step is the shortest one for what it gains, so the arm ends hardly farther than it must.
 //!
+//! Of a coupled arm the angle between upper arm and forearm has no stops of its own, joint 3 has: the steps are taken in angles of
+//! which the third is free of joint 2 ([`Arm::uncoupled`]).
+//!
 //! Joints stay between their stops: one that a step would take beyond goes to its stop, and the others make up for
 //! the rest of the step (clamped joints: P. Baerlocher, R. Boulic, "An inverse kinematics architecture enforcing an
 //! arbitrary number of strict priority levels", The Visual Computer 20, 2004). The next step may free it again.
 
-use super::jacobian::jacobian_of;
+use super::jacobian::{couple, jacobian_of};
 use super::solver::Arm;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -32,17 +35,34 @@ pub(super) const FAR: f64 = 1.0;
 /// Least damping, for the same reason; it also keeps the normal equations solvable in double precision.
 const FLOOR: f64 = 1e-12;
 
-/// Between which angles the geometry's joints stay.
+/// Between which angles the geometry's joints stay, joint 3 uncoupled from joint 2.
 pub(super) type Stops = [(f64, f64); 6];
 
 /// No stops at all.
 pub(super) const NO_STOPS: Stops = [(f64::NEG_INFINITY, f64::INFINITY); 6];
 
 impl Arm {
-    /// The limits, for the geometry's joints.
+    /// The limits, for the geometry's joints, joint 3 uncoupled from joint 2.
     pub(super) fn stops(&self) -> Stops {
-        let [lower, upper] = [&self.limits.lower, &self.limits.upper].map(|ends| self.inner(ends));
+        let [lower, upper] = [&self.limits.lower, &self.limits.upper].map(|ends| {
+            let ends: [f64; 6] = std::array::from_fn(|k| ends[k] * self.signs[k] - self.offsets[k]);
+            ends
+        });
         [0, 1, 2, 3, 4, 5].map(|k| (lower[k].min(upper[k]), lower[k].max(upper[k])))
+    }
+
+    /// How far joint 3 of the geometry turns with its joint 2.
+    fn coupling(&self) -> f64 {
+        self.j23_factor * self.signs[1] * self.signs[2]
+    }
+
+    /// Joints of the geometry without (`sign` -1) or again with (1) what joint 2 adds to joint 3.
+    fn uncoupled(&self, inner: &[f64; 6], sign: f64) -> [f64; 6] {
+        let mut angles = *inner;
+        if self.is_coupled() {
+            angles[2] += sign * self.coupling() * (inner[1] + self.offsets[1]);
+        }
+        angles
     }
 
     /// From joints of the geometry to some near by, between the stops, that meet the pose, as well as they do after
@@ -59,9 +79,11 @@ impl Arm {
         farthest: f64,
     ) -> Option<[f64; 6]> {
         let unit = 1.0 / self.longest_link();
+        let was = self.uncoupled(was, -1.0);
         let mut q: [f64; 6] = std::array::from_fn(|k| between(was[k], stops[k]));
         for _ in 0..STEPS {
-            let flange = self.flange(&q);
+            let inner = self.uncoupled(&q, 1.0);
+            let flange = self.flange(&inner);
             let error = self.short_of(r, p, &flange);
             let square = error.norm_squared();
             if square.is_nan() || square > farthest * farthest {
@@ -70,11 +92,12 @@ impl Arm {
             if square <= MET * MET {
                 break;
             }
-            let mut slopes = jacobian_of(&self.inner_axes(&q), &flange.1);
+            let mut slopes = jacobian_of(&self.inner_axes(&inner), &flange.1);
+            couple(&mut slopes, self.coupling());
             slopes.fixed_rows_mut::<3>(0).scale_mut(unit);
             clamped_step(&mut q, slopes, error, square.max(FLOOR), stops)?;
         }
-        Some(q)
+        Some(self.uncoupled(&q, 1.0))
     }
 
     /// How far a flange is from the pose: shift in longest links, and turn in radians, for small turns.

@@ -9,6 +9,7 @@
 
 use super::solver::Arm;
 use nalgebra::{Matrix6, Point3, UnitVector3, Vector3, Vector6};
+use std::ops::AddAssign;
 
 /// First and second derivatives of joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +25,8 @@ pub struct Rates {
 const MAX_RATIO: f64 = 1e8;
 
 impl Arm {
-    /// Of each joint a point on its axis and the axis' direction (a positive turn by the right hand), in the base.
+    /// Of each joint a point on its axis and the axis' direction (a positive turn by the right hand), in the base. Of a coupled arm
+    /// ([`ArmModel::j23_factor`](super::ArmModel::j23_factor)) these are the axes between links: a turn of its joint 2 turns about both axis 2 and axis 3.
     pub fn axes(&self, joints: &[f64; 6]) -> [(Point3<f64>, UnitVector3<f64>); 6] {
         let axes = self.inner_axes(&self.inner(joints));
         let mut signed = axes.map(|(at, along)| (Point3::from(at), UnitVector3::new_unchecked(along)));
@@ -45,13 +47,16 @@ impl Arm {
     /// ```
     pub fn jacobian(&self, joints: &[f64; 6], flange_point: &Point3<f64>) -> Matrix6<f64> {
         let point = self.forward(joints) * flange_point;
-        jacobian_of(&plain(&self.axes(joints)), &point.coords)
+        let mut jacobian = jacobian_of(&plain(&self.axes(joints)), &point.coords);
+        couple(&mut jacobian, self.j23_factor);
+        jacobian
     }
 
     /// How the Jacobian of the same point changes when the joints move with `speeds`: its derivative by time.
     pub fn jacobian_rate(&self, joints: &[f64; 6], speeds: &[f64; 6], flange_point: &Point3<f64>) -> Matrix6<f64> {
         let point = self.forward(joints) * flange_point;
         let axes = self.axes(joints);
+        let speeds = &self.between_links(speeds);
         let velocity_of_point =
             (jacobian_of(&plain(&axes), &point.coords) * Vector6::from(*speeds)).fixed_rows::<3>(0).into_owned();
         let mut rate = Matrix6::zeros();
@@ -68,6 +73,7 @@ impl Arm {
             rate.fixed_view_mut::<3, 1>(0, k).copy_from(&linear);
             rate.fixed_view_mut::<3, 1>(3, k).copy_from(&axis_rate);
         }
+        couple(&mut rate, self.j23_factor);
         rate
     }
 
@@ -111,6 +117,14 @@ impl Arm {
 
 fn plain(axes: &[(Point3<f64>, UnitVector3<f64>); 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {
     axes.map(|(at, along)| (at.coords, along.into_inner()))
+}
+
+/// From columns of angles between links to columns of joints of which joint 2 turns axis 3 along.
+pub(super) fn couple(columns: &mut Matrix6<f64>, factor: f64) {
+    if factor.abs() > 0.0 {
+        let along = columns.column(2) * factor;
+        columns.column_mut(1).add_assign(&along);
+    }
 }
 
 /// The Jacobian of a point for axes given by a point and a direction.

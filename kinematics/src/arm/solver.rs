@@ -25,6 +25,8 @@ pub struct Arm {
     pub(super) solver: Solver,
     pub(super) offsets: [f64; 6],
     pub(super) signs: [f64; 6],
+    /// See [`ArmModel::j23_factor`].
+    pub(super) j23_factor: f64,
     pub(super) limits: JointLimits<6>,
     /// What the solver does not have.
     pub(super) deviation: Option<Deviation>,
@@ -36,7 +38,7 @@ impl Arm {
     /// # Errors
     /// [`ArmError`] names the invalid number.
     pub fn new(model: &ArmModel) -> Result<Self, ArmError> {
-        let ArmModel { geometry, offsets, signs, limits } = *model;
+        let ArmModel { geometry, offsets, signs, j23_factor, limits } = *model;
         for joint in 0..6 {
             if !offsets[joint].is_finite() {
                 return Err(ArmError::NotFinite { what: "offsets", joint, value: offsets[joint] });
@@ -45,6 +47,9 @@ impl Arm {
             if (signs[joint].abs() - 1.0).abs() > 0.0 || signs[joint].is_nan() {
                 return Err(ArmError::Sign { joint, value: signs[joint] });
             }
+        }
+        if ![-1.0, 0.0, 1.0].iter().any(|factor: &f64| (factor - j23_factor).abs() <= 0.0) {
+            return Err(ArmError::Coupling { value: j23_factor });
         }
         limits.check()?;
         let solver = match geometry {
@@ -62,6 +67,7 @@ impl Arm {
             solver,
             offsets: offsets.map(|offset| crate::angle::nearest_image(offset, 0.0)),
             signs,
+            j23_factor,
             limits,
             deviation: None,
         })
@@ -262,14 +268,38 @@ impl Arm {
 
     /// From the geometry's joints to the arm's, in `(-pi, pi]`.
     pub(super) fn outer(&self, inner: &[f64; 6]) -> [f64; 6] {
-        [0, 1, 2, 3, 4, 5].map(|k| wrapped((inner[k] + self.offsets[k]) * self.signs[k]))
+        let mut joints = [0, 1, 2, 3, 4, 5].map(|k| wrapped((inner[k] + self.offsets[k]) * self.signs[k]));
+        if self.is_coupled() {
+            joints[2] = wrapped(joints[2] - self.j23_factor * joints[1]);
+        }
+        joints
     }
 
     /// From the arm's joints to the geometry's.
     pub(super) fn inner(&self, joints: &[f64; 6]) -> [f64; 6] {
-        let mut inner = *joints;
-        (0..6).for_each(|k| inner[k] = joints[k] * self.signs[k] - self.offsets[k]);
+        let mut inner = self.between_links(joints);
+        (0..6).for_each(|k| inner[k] = inner[k] * self.signs[k] - self.offsets[k]);
         inner
+    }
+
+    /// Whether joint 3 is counted against the base, see [`ArmModel::j23_factor`].
+    pub fn is_coupled(&self) -> bool {
+        self.j23_factor.abs() > 0.0
+    }
+
+    /// Its [`ArmModel::j23_factor`].
+    pub fn j23_factor(&self) -> f64 {
+        self.j23_factor
+    }
+
+    /// The angles between each link and the next, for the maker's joints: the same, but for joint 3 of a coupled arm. Linear, so it
+    /// holds for speeds as well.
+    pub(crate) fn between_links(&self, joints: &[f64; 6]) -> [f64; 6] {
+        let mut angles = *joints;
+        if self.is_coupled() {
+            angles[2] += self.j23_factor * joints[1];
+        }
+        angles
     }
 
     /// Axes of the geometry's joints: a point and the direction of a positive turn.

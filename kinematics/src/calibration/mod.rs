@@ -8,9 +8,11 @@ mod least_squares;
 mod measurements;
 mod parameters;
 mod tip;
+mod ur_file;
 
 pub use data::{ArmFit, FitError, FitOptions, FitResiduals, FittedParameter, MeasuredPose, OpenDirection};
 pub use fit::{fit_arm, fit_residuals};
 pub use measurements::{MeasurementError, Measurements, Touch};
 pub use parameters::{ArmParameter, FitScope};
 pub use tip::{Calibration, CalibrationError, MIN_TOUCHES, Undetermined, calibrate_tip, calibrate_tool};
+pub use ur_file::UrCalibrationError;

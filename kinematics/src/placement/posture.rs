@@ -87,12 +87,16 @@ impl<'a, const N: usize, const F: usize, W: Workcell<N, F>> BestPosture<'a, W, N
     /// The same with the joints of the posture.
     pub fn find(&self, waypoint: &Waypoint) -> Option<(Assessment, [f64; N])> {
         let ranges = self.workcell.free();
-        let count: u64 = self.samples.iter().map(|&samples| u64::from(samples)).product();
+        // A range of a single value, such as the tilt of a table that only turns, has one sample.
+        let counts: [u64; F] = std::array::from_fn(|f| match ranges[f] {
+            FreeRange::Within(min, max) if max <= min => 1,
+            FreeRange::Turn | FreeRange::Within(..) => u64::from(self.samples[f]),
+        });
         let mut best: Option<(Assessment, [f64; N])> = None;
-        for sample in 0..count {
+        for sample in 0..counts.iter().product() {
             let mut rest = sample;
             let free = std::array::from_fn(|f| {
-                let samples = u64::from(self.samples[f]);
+                let samples = counts[f];
                 let share = |parts: u64| (rest % samples) as f64 / parts as f64;
                 let value = match ranges[f] {
                     FreeRange::Turn => TAU * share(samples),

@@ -3,7 +3,7 @@
 //!
 //! Arms of Universal Robots take the stream ([`print_stream`]): what runs is the planned motion itself, sampled at every tick.
 //! ABB controllers take targets ([`print_targets`]) and interpolate by themselves, at the speed that the plan has between two
-//! waypoints. B. Brooks (2016, section 4.14) could not load a program of 180,000 lines: [`print_pieces`] says which motions
+//! waypoints. Arms of Universal Robots take moves with blends as well ([`print_blended`]): few lines instead of a stream. B. Brooks (2016, section 4.14) could not load a program of 180,000 lines: [`print_pieces`] says which motions
 //! make a program each.
 //!
 //! Nothing here knows of a planner: a motion is a duration with closures, or a list of knots.
@@ -11,6 +11,7 @@
 //! This module stands on [`program`](crate::program) and [`workcell`](crate::workcell), which do not know each other: here the options of
 //! programs come from a workcell ([`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell)), and joints become targets.
 
+mod blended;
 mod knot;
 mod lag;
 mod merge;
@@ -19,6 +20,7 @@ mod pieces;
 mod stream;
 mod targets;
 
+pub use blended::{BlendOptions, BlendedSegment, print_blended};
 pub use knot::{PrintKnot, TargetOptions};
 pub use pieces::{PrintPiece, print_pieces};
 pub use stream::{StreamOptions, StreamSegment, print_stream};

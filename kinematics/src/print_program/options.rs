@@ -1,8 +1,10 @@
 //! Options of programs for a workcell: its tool, its frames, its arm.
 
+use super::blended::BlendOptions;
 use super::stream::StreamOptions;
 use crate::program::{
-    ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate, UrScriptOptions,
+    KrlOptions, ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate, TpOptions,
+    UrScriptOptions,
 };
 use crate::scene::Mount;
 use crate::workcell::{ArmGeometry, Equipment, tool_frame};
@@ -23,6 +25,54 @@ impl RapidOptions {
         let switching = RapidSwitching::OnPath { lag_s: equipment.model().controller.extruder_lag_s };
         let limits = ProgramLimits::of_arm(&arm);
         RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, ..defaults }
+    }
+}
+
+/// The kinematic system that a controller of KUKA has for its first positioner; 1 is the robot.
+const FIRST_KINEMATIC: u8 = 2;
+
+impl KrlOptions {
+    /// The nozzle as tool and the part frame as work object of a workcell, on kinematic system 2 if there is a table, with its arm and within the limits of that;
+    /// signals on the path come earlier by the lag of its extruder.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
+        KrlOptions {
+            part_in_hand: matches!(carrier, Mount::Link(_)),
+            tool: tool_frame(&nozzle),
+            work,
+            kinematic: equipment.positioner().map(|_| FIRST_KINEMATIC),
+            arm: Some(*equipment.arm()),
+            lag_s: equipment.model().controller.extruder_lag_s,
+            limits: ProgramLimits::of_arm(equipment.arm()),
+            ..KrlOptions::default()
+        }
+    }
+}
+
+impl TpOptions {
+    /// The nozzle as user tool and the part frame as user frame of a workcell, within the limits of its arm.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
+        TpOptions {
+            part_in_hand: matches!(carrier, Mount::Link(_)),
+            tool: tool_frame(&nozzle),
+            work,
+            limits: ProgramLimits::of_arm(equipment.arm()),
+            ..TpOptions::default()
+        }
+    }
+}
+
+impl BlendOptions {
+    /// What the controller of a workcell is programmed with: the acceleration of its joints, if the workcell limits it, at which moves by joints take the time that was
+    /// planned.
+    pub fn of_workcell(equipment: &Equipment) -> Self {
+        let options = UrScriptOptions::of_workcell(equipment);
+        let limits = equipment.arm().limits().acceleration;
+        let least = limits.into_iter().fold(f64::INFINITY, f64::min);
+        let acceleration_rad_s2 = if least.is_finite() { least } else { options.acceleration_rad_s2 };
+        let acceleration_mm_s2 = options.acceleration_mm_s2;
+        BlendOptions { acceleration_mm_s2, acceleration_rad_s2, ..BlendOptions::default() }
     }
 }
 

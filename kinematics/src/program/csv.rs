@@ -80,42 +80,8 @@ pub fn write_csv(
 }
 
 fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
-    let numbers = |text: &mut Vec<u8>, values: &[f64]| values.iter().try_for_each(|value| write!(text, ",{value}"));
-    let empty = |text: &mut Vec<u8>, cells: usize| text.extend(std::iter::repeat_n(b',', cells));
     match step {
-        Step::Move(to) => {
-            let (word, target, joints) = match &to.goal {
-                Goal::Line(target) => ("line", Some(target), None),
-                Goal::JointMove(target) => ("swing", Some(target), None),
-                Goal::Joints(joints) => ("joints", None, Some(joints)),
-            };
-            text.extend_from_slice(word.as_bytes());
-            match target {
-                Some(Target { pose, conf }) => {
-                    let (at, q) = (pose.translation.vector, pose.rotation);
-                    numbers(text, &[at.x, at.y, at.z, q.w, q.i, q.j, q.k])?;
-                    write!(text, ",{},{},{},{}", conf.cf1, conf.cf4, conf.cf6, conf.cfx)?;
-                }
-                None => empty(text, JOINTS - POSE),
-            }
-            match joints {
-                Some(joints) => numbers(text, joints)?,
-                None => empty(text, TABLE - JOINTS),
-            }
-            let axes = to.table.map_or([None; 6], |external| external.axes());
-            for axis in &axes[..SPEED - TABLE] {
-                match axis {
-                    Some(value) => numbers(text, &[*value])?,
-                    None => empty(text, 1),
-                }
-            }
-            numbers(text, &[to.speed.mm_s, to.speed.rad_s])?;
-            match to.zone {
-                Zone::Stop => text.extend_from_slice(b",stop"),
-                Zone::Blend(radius) => numbers(text, &[radius])?,
-            }
-            empty(text, 1);
-        }
+        Step::Move(to) => write_move(text, to)?,
         Step::Servo { joints, seconds } => {
             text.extend_from_slice(b"servo");
             empty(text, JOINTS - POSE);
@@ -144,6 +110,53 @@ fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
     }
     text.push(b'\n');
     Ok(())
+}
+
+/// All cells of a move. Those of the pose are empty for a goal of joints, those of the joints for a pose.
+fn write_move(text: &mut Vec<u8>, to: &Move) -> std::io::Result<()> {
+    let (word, target, joints) = match &to.goal {
+        Goal::Line(target) => ("line", Some(target), None),
+        Goal::JointMove(target) => ("swing", Some(target), None),
+        Goal::Joints(joints) => ("joints", None, Some(joints)),
+    };
+    text.extend_from_slice(word.as_bytes());
+    match target {
+        Some(Target { pose, conf }) => {
+            let (at, q) = (pose.translation.vector, pose.rotation);
+            numbers(text, &[at.x, at.y, at.z, q.w, q.i, q.j, q.k])?;
+            write!(text, ",{},{},{},{}", conf.cf1, conf.cf4, conf.cf6, conf.cfx)?;
+        }
+        None => empty(text, JOINTS - POSE),
+    }
+    match joints {
+        Some(joints) => numbers(text, joints)?,
+        None => empty(text, TABLE - JOINTS),
+    }
+    let axes = to.table.map_or([None; 6], |external| external.axes());
+    for axis in &axes[..SPEED - TABLE] {
+        match axis {
+            Some(value) => numbers(text, &[*value])?,
+            None => empty(text, 1),
+        }
+    }
+    numbers(text, &[to.speed.mm_s, to.speed.rad_s])?;
+    match to.zone {
+        Zone::Stop => text.extend_from_slice(b",stop"),
+        Zone::Blend(radius) => numbers(text, &[radius])?,
+    }
+    // The seconds, which only streamed joints have.
+    empty(text, COLUMNS - SECONDS);
+    Ok(())
+}
+
+/// Cells with a number each.
+fn numbers(text: &mut Vec<u8>, values: &[f64]) -> std::io::Result<()> {
+    values.iter().try_for_each(|value| write!(text, ",{value}"))
+}
+
+/// Cells without content.
+fn empty(text: &mut Vec<u8>, cells: usize) {
+    text.extend(std::iter::repeat_n(b',', cells));
 }
 
 /// The steps of a CSV, one after the other, in constant memory. Ends after the first error.

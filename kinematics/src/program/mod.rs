@@ -15,6 +15,8 @@
 //!   read as well.
 //! * URScript ([`write_urscript`], [`UrScriptReader`]): `movel` or `movep`, `movej`, `servoj`;
 //!   `set_standard_digital_out` and `set_standard_analog_out` for the extruder. [`UrScriptOptions`] states the same.
+//! * KRL ([`write_krl`], [`read_krl`]) for KUKA controllers: `LIN` with `C_DIS`, or spline blocks, and `PTP`; triggers on the path for the extruder.
+//! * TP ([`write_tp`], [`read_tp`]) for Fanuc controllers, as ASCII: `L` and `J` with `FINE` or `CNT`, positions behind the instructions.
 //! * CSV ([`write_csv`], [`CsvReader`]): every bit of a step, for other programs.
 //!
 //! No reader gives a number that is not finite, or one beyond 1e6 (mm, rad, s).
@@ -34,17 +36,19 @@
 //! # Who stands on whom
 //!
 //! Workcells are not known here. The rooms, from below: `step` (steps, what makes them), `check` (steps judged before they are written,
-//! seconds of a program), `text` (numbers, words and names in files), the formats `csv`, `rapid` and `urscript`, and beside them `dome`
+//! seconds of a program), `text` (numbers, words and names in files), the formats `csv`, `rapid`, `urscript`, `krl` and `tp`, and beside them `dome`
 //! (programs of drawings). [`link`] streams steps. No format knows another one.
 
 mod check;
 mod csv;
 mod dome;
 mod extruder;
+mod krl;
 pub mod link;
 mod rapid;
 mod step;
 mod text;
+mod tp;
 mod urscript;
 
 pub use crate::target::{ConfData, Target};
@@ -55,6 +59,7 @@ pub use dome::{
     TurnPath, choose_turns, print_on_dome, run_on_dome,
 };
 pub use extruder::{ExtruderCommand, ExtruderCommandError};
+pub use krl::{KrlLines, KrlOptions, KrlProgram, KrlWritten, krl_status_turn, read_krl, write_krl};
 pub use rapid::{
     FilamentOutput, RapidAcceleration, RapidMain, RapidOptions, RapidPart, RapidProgram, RapidSwitching, RapidTool,
     RapidWorkObject, RapidWritten, ReadWarning, read_rapid, write_rapid,
@@ -64,6 +69,7 @@ pub use step::{
     TimedJoints, TimedSignal, Zone, lifted, resample, strokes,
 };
 pub use text::tokens::ReadError;
+pub use tp::{TpOptions, TpProgram, TpWritten, read_tp, write_tp};
 pub use urscript::{
-    FILAMENT_FULL_SCALE_MM_S, Straight, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
+    FILAMENT_FULL_SCALE_MM_S, Straight, UrExtruder, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
 };

@@ -17,38 +17,52 @@
 
 use super::query::Posture;
 use super::rounding::SHARE;
+use crate::arm::Arm;
 
-/// How far joints turn, of the arm and of the table, in radians.
+/// How far links turn against each other: of the arm and of the table, in radians. Of an arm that is not coupled that is how far joints turn.
 pub(super) type Turns = ([f64; 6], [f64; 2]);
 
 /// A motion of all joints.
 pub(super) struct Motion {
     arm: Cubic<6>,
+    /// The angles between links, where they are not the joints.
+    links: Option<Cubic<6>>,
     table: Cubic<2>,
 }
 
 impl Motion {
     /// All joints evenly from one posture to another.
-    pub fn straight(from: &Posture, to: &Posture) -> Self {
-        Motion { arm: Cubic::straight(&from.joints, &to.joints), table: Cubic::straight(&from.table, &to.table) }
+    pub fn straight(arm: &Arm, from: &Posture, to: &Posture) -> Self {
+        let links =
+            arm.is_coupled().then(|| Cubic::straight(&arm.between_links(&from.joints), &arm.between_links(&to.joints)));
+        Motion { arm: Cubic::straight(&from.joints, &to.joints), links, table: Cubic::straight(&from.table, &to.table) }
     }
 
-    pub fn bezier(control: &[Posture; 4]) -> Self {
-        Motion { arm: Cubic::bezier(&control.map(|c| c.joints)), table: Cubic::bezier(&control.map(|c| c.table)) }
+    pub fn bezier(arm: &Arm, control: &[Posture; 4]) -> Self {
+        let links = arm.is_coupled().then(|| Cubic::bezier(&control.map(|c| arm.between_links(&c.joints))));
+        Motion {
+            arm: Cubic::bezier(&control.map(|c| c.joints)),
+            links,
+            table: Cubic::bezier(&control.map(|c| c.table)),
+        }
+    }
+
+    fn links(&self) -> &Cubic<6> {
+        self.links.as_ref().unwrap_or(&self.arm)
     }
 
     pub fn at(&self, t: f64) -> Posture {
         Posture { joints: self.arm.at(t), table: self.table.at(t) }
     }
 
-    /// How far each joint turns along the control polygon: at least as far as along the motion.
+    /// How far each link turns against the one before along the control polygon: at least as far as along the motion.
     pub fn lengths(&self) -> Turns {
-        (self.arm.length, self.table.length)
+        (self.links().length, self.table.length)
     }
 
-    /// How far each joint ever is from where it is at the middle of an interval of this half-width, at most.
+    /// How far each of these angles ever is from what it is at the middle of an interval of this half-width, at most.
     pub fn turns(&self, middle: f64, half: f64) -> Turns {
-        (self.arm.turns(middle, half), self.table.turns(middle, half))
+        (self.links().turns(middle, half), self.table.turns(middle, half))
     }
 }
 

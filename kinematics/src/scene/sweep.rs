@@ -253,7 +253,7 @@ impl Scene {
     fn straight(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<Motion, SweepError> {
         from.check(self.positioner.is_some()).map_err(SweepError::From)?;
         to.check(self.positioner.is_some()).map_err(SweepError::To)?;
-        self.checked(Motion::straight(from, to), resolution)
+        self.checked(Motion::straight(&self.arm, from, to), resolution)
     }
 
     fn cubic(&self, control: &[Posture; 4], resolution: f64) -> Result<Motion, SweepError> {
@@ -264,7 +264,7 @@ impl Scene {
                 _ => SweepError::Control { index, source },
             })?;
         }
-        self.checked(Motion::bezier(control), resolution)
+        self.checked(Motion::bezier(&self.arm, control), resolution)
     }
 
     /// Checks a motion through postures that have been checked.

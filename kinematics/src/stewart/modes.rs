@@ -38,7 +38,7 @@ impl Stewart {
 
     /// Modes of the platform for these lengths: what Newton's method finds from `starts` random poses, the mirror
     /// image of each included where there is one. In the order in which they were found; the same `seed` gives the
-    /// same. An empty list says that none was found, not that there is none; nor is a longer list all there are.
+    /// same. A list may lack modes, and an empty one does not mean that no mode exists.
     ///
     /// Limits and cones are not looked at: [`Stewart::fault`] reports which modes are possible.
     ///

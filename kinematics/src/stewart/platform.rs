@@ -205,50 +205,58 @@ pub struct Stewart {
     pub(super) size: f64,
 }
 
+/// Checks each number of a platform by itself.
+fn check(model: &StewartModel) -> Result<(), StewartModelError> {
+    let named = [
+        ("base", model.base),
+        ("platform", model.platform),
+        ("base_axes", model.base_axes),
+        ("platform_axes", model.platform_axes),
+    ];
+    for (what, values) in named {
+        for (leg, value) in values.into_iter().enumerate() {
+            if !value.iter().all(|x| x.abs() <= MAX_COORDINATE) {
+                return Err(StewartModelError::Joint { what, leg, value });
+            }
+        }
+    }
+    for leg in 0..6 {
+        let (shortest, longest) = (model.shortest[leg], model.longest[leg]);
+        let any = shortest <= longest && longest > 0.0 && shortest.is_finite();
+        if !any {
+            return Err(StewartModelError::Length { leg, shortest, longest });
+        }
+    }
+    for (what, value) in [("base_cone", model.base_cone), ("platform_cone", model.platform_cone)] {
+        let open = value > 0.0 && value <= PI;
+        if !open {
+            return Err(StewartModelError::Cone { what, value });
+        }
+    }
+    let value = model.leg_radius;
+    if !(0.0..=MAX_COORDINATE).contains(&value) {
+        return Err(StewartModelError::LegRadius { value });
+    }
+    Ok(())
+}
+
+/// Axes of joints as unit vectors.
+fn units(what: &'static str, axes: &[[f64; 3]; 6]) -> Result<[Vector3<f64>; 6], StewartModelError> {
+    let mut units = [Vector3::zeros(); 6];
+    for (leg, unit) in units.iter_mut().enumerate() {
+        let axis = Vector3::from(axes[leg]).try_normalize(1e-9);
+        *unit = axis.ok_or(StewartModelError::Axis { what, leg })?;
+    }
+    Ok(units)
+}
+
 impl Stewart {
     /// Checks the numbers of a platform.
     ///
     /// # Errors
     /// [`StewartModelError`] names the invalid number.
     pub fn new(model: &StewartModel) -> Result<Self, StewartModelError> {
-        let named = [
-            ("base", model.base),
-            ("platform", model.platform),
-            ("base_axes", model.base_axes),
-            ("platform_axes", model.platform_axes),
-        ];
-        for (what, values) in named {
-            for (leg, value) in values.into_iter().enumerate() {
-                if !value.iter().all(|x| x.abs() <= MAX_COORDINATE) {
-                    return Err(StewartModelError::Joint { what, leg, value });
-                }
-            }
-        }
-        for leg in 0..6 {
-            let (shortest, longest) = (model.shortest[leg], model.longest[leg]);
-            let any = shortest <= longest && longest > 0.0 && shortest.is_finite();
-            if !any {
-                return Err(StewartModelError::Length { leg, shortest, longest });
-            }
-        }
-        for (what, value) in [("base_cone", model.base_cone), ("platform_cone", model.platform_cone)] {
-            let open = value > 0.0 && value <= PI;
-            if !open {
-                return Err(StewartModelError::Cone { what, value });
-            }
-        }
-        let leg_radius = model.leg_radius;
-        if !(0.0..=MAX_COORDINATE).contains(&leg_radius) {
-            return Err(StewartModelError::LegRadius { value: leg_radius });
-        }
-        let units = |what: &'static str, axes: [[f64; 3]; 6]| {
-            let mut units = [Vector3::zeros(); 6];
-            for (leg, unit) in units.iter_mut().enumerate() {
-                let axis = Vector3::from(axes[leg]).try_normalize(1e-9);
-                *unit = axis.ok_or(StewartModelError::Axis { what, leg })?;
-            }
-            Ok::<_, StewartModelError>(units)
-        };
+        check(model)?;
         let (base, platform) = (model.base.map(Vector3::from), model.platform.map(Vector3::from));
         let base_plane = Plane::of(&base).ok_or(StewartModelError::OnALine { what: "base" })?;
         let platform_plane = Plane::of(&platform).ok_or(StewartModelError::OnALine { what: "platform" })?;
@@ -260,11 +268,11 @@ impl Stewart {
             platform,
             shortest: model.shortest,
             longest: model.longest,
-            base_axes: units("base_axes", model.base_axes)?,
+            base_axes: units("base_axes", &model.base_axes)?,
             base_cone: model.base_cone,
-            platform_axes: units("platform_axes", model.platform_axes)?,
+            platform_axes: units("platform_axes", &model.platform_axes)?,
             platform_cone: model.platform_cone,
-            leg_radius,
+            leg_radius: model.leg_radius,
             planes: planar.then_some((base_plane, platform_plane)),
             centre,
             radius,

@@ -2,9 +2,9 @@
 
 use super::model::{
     ArmGeometry, ArmPart, CalibrationModel, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel,
-    PositionerGeometry, PositionerPart, RollerModel, VERSION,
+    PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, VERSION,
 };
-use crate::arm::robots::{ARMS, POSITIONERS};
+use crate::arm::robots::{self, CatalogueArm, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
 use crate::limits::JointLimits;
 use crate::positioner::{Positioner, PositionerError, PositionerModel};
@@ -23,14 +23,28 @@ pub enum WorkcellError {
         found: u32,
     },
     /// No such robot, or no such positioner.
-    #[error("{path}: no robot is called `{name}`; known are {known}")]
+    #[error("{path}: no robot is called `{name}`; {known}")]
     UnknownRobot {
         /// The field.
         path: String,
         /// Its value.
         name: String,
-        /// The names that are known.
+        /// In words: the names that are near, or known, and what to give instead.
         known: String,
+    },
+    /// A URDF has no arm for this workcell.
+    #[error("arm.geometry.urdf: {file}: {what}")]
+    Urdf {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A URDF has not been read in: see `WorkcellModel::with_urdf` (cargo feature `urdf`).
+    #[error("arm.geometry.urdf: {file}: the file was not read: call WorkcellModel::with_urdf first")]
+    UrdfNotRead {
+        /// The file.
+        file: String,
     },
     /// A number cannot be what it is.
     #[error("{path} is {value}: it must be {must}")]
@@ -90,6 +104,12 @@ pub enum WorkcellError {
         /// The field.
         path: &'static str,
     },
+    /// The language of another maker's controller.
+    #[error(
+        "controller.language: arms of Universal Robots take `urscript`, all others `rapid`, `krl` or `tp`; leave it out, or name \
+         the one of the arm's controller"
+    )]
+    Language,
     /// The arm cannot reach what it has to.
     #[error("{path}: stretched out, the arm reaches {reach_mm:.1} mm: {what}")]
     Reach {
@@ -246,32 +266,76 @@ fn limits<const N: usize>(
     Ok(limits)
 }
 
-/// The numbers of one of the robots that have names.
-pub(super) fn named<T: Copy>(path: &str, name: &str, all: &[(&str, &T)]) -> Result<T, WorkcellError> {
-    let found = all.iter().find(|(known, _)| *known == name);
+/// The numbers of one of the tables that have names.
+fn named_table(path: &str, name: &str) -> Result<PositionerModel, WorkcellError> {
+    let found = POSITIONERS.iter().find(|(known, _)| *known == name);
     found.map(|(_, model)| **model).ok_or_else(|| WorkcellError::UnknownRobot {
         path: path.into(),
         name: name.into(),
-        known: all.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", "),
+        known: format!("known are {}", POSITIONERS.map(|(known, _)| known).join(", ")),
     })
+}
+
+/// What an arm without a name is given by, for errors: the lengths of an IRB 2600-12/1.85.
+const BY_LENGTHS: &str = r#"{"ortho_parallel": {"a1_mm": 150, "a2_mm": -115, "b_mm": 0, "c1_mm": 445, "c2_mm": 900, "c3_mm": 795, "c4_mm": 85, "offsets_deg": [0, 0, -90, 0, 0, 0], "signs": [1, 1, 1, 1, 1, 1]}}"#;
+
+/// One of the arms that have names.
+pub(super) fn named_arm(path: &str, name: &str) -> Result<&'static CatalogueArm, WorkcellError> {
+    robots::find(name).ok_or_else(|| {
+        let near = robots::near(name);
+        let near = if near.is_empty() { String::new() } else { format!("near are {}; ", near.join(", ")) };
+        let known = format!(
+            "{near}examples/cells/arms.json has all names; any other arm is given by its lengths instead of a name, like {BY_LENGTHS}"
+        );
+        WorkcellError::UnknownRobot { path: path.into(), name: name.into(), known }
+    })
+}
+
+/// How far the mounting face of the arm is below its base frame.
+pub(super) fn mount_below_base(part: &ArmPart) -> Result<f64, WorkcellError> {
+    match (part.mount_below_base_mm, &part.geometry) {
+        (Some(below), _) => finite("arm.mount_below_base_mm", below),
+        (None, ArmGeometry::Named(name)) => Ok(named_arm("arm.geometry.named", name)?.mount_below_base_mm),
+        (None, _) => Ok(0.0),
+    }
 }
 
 /// The arm, and the numbers that it was made from, with the limits of the workcell.
 pub(super) fn arm(part: &ArmPart) -> Result<(Arm, ArmModel), WorkcellError> {
-    let free = |geometry, offsets, signs| ArmModel { geometry, offsets, signs, limits: JointLimits::NONE };
+    let free = |geometry, offsets, signs, j23_factor| ArmModel {
+        geometry,
+        offsets,
+        signs,
+        j23_factor,
+        limits: JointLimits::NONE,
+    };
     let path = "arm.geometry";
     let model = match &part.geometry {
-        ArmGeometry::Named(name) => named("arm.geometry.named", name, &ARMS)?,
-        ArmGeometry::Ur { d_mm, upper_arm_mm, forearm_mm } => {
+        ArmGeometry::Named(name) => named_arm("arm.geometry.named", name)?.model,
+        ArmGeometry::Urdf(urdf) => return Err(WorkcellError::UrdfNotRead { file: urdf.file().into() }),
+        ArmGeometry::Ur { d_mm, upper_arm_mm, forearm_mm, offsets_deg, signs, j23_factor } => {
             let path = "arm.geometry.ur";
             let table = DhTable::ur(
                 each(&format!("{path}.d_mm"), d_mm)?,
                 finite(format!("{path}.upper_arm_mm"), *upper_arm_mm)?,
                 finite(format!("{path}.forearm_mm"), *forearm_mm)?,
             );
-            free(Geometry::Ur(table), [0.0; 6], [1.0; 6])
+            let offsets = each(&format!("{path}.offsets_deg"), offsets_deg)?.map(f64::to_radians);
+            let j23_factor = finite(format!("{path}.j23_factor"), *j23_factor)?;
+            free(Geometry::Ur(table), offsets, each(&format!("{path}.signs"), signs)?, j23_factor)
         }
-        ArmGeometry::OrthoParallel { a1_mm, a2_mm, b_mm, c1_mm, c2_mm, c3_mm, c4_mm, offsets_deg, signs } => {
+        ArmGeometry::OrthoParallel {
+            a1_mm,
+            a2_mm,
+            b_mm,
+            c1_mm,
+            c2_mm,
+            c3_mm,
+            c4_mm,
+            offsets_deg,
+            signs,
+            j23_factor,
+        } => {
             let path = "arm.geometry.ortho_parallel";
             let length = |name: &str, value: f64| finite(format!("{path}.{name}"), value);
             let lengths = OrthoLengths {
@@ -284,7 +348,8 @@ pub(super) fn arm(part: &ArmPart) -> Result<(Arm, ArmModel), WorkcellError> {
                 c4: length("c4_mm", *c4_mm)?,
             };
             let offsets = each(&format!("{path}.offsets_deg"), offsets_deg)?.map(f64::to_radians);
-            free(Geometry::Ortho(lengths), offsets, each(&format!("{path}.signs"), signs)?)
+            let j23_factor = finite(format!("{path}.j23_factor"), *j23_factor)?;
+            free(Geometry::Ortho(lengths), offsets, each(&format!("{path}.signs"), signs)?, j23_factor)
         }
     };
     let limits = limits("arm.limits", model.limits, &part.limits)?;
@@ -320,7 +385,7 @@ pub(super) struct Table {
 
 pub(super) fn positioner(part: &PositionerPart) -> Result<Table, WorkcellError> {
     let model = match &part.geometry {
-        PositionerGeometry::Named(name) => named("positioner.geometry.named", name, &POSITIONERS)?,
+        PositionerGeometry::Named(name) => named_table("positioner.geometry.named", name)?,
         PositionerGeometry::Axes { tilt_origin_mm, tilt_axis, turn_origin_mm, turn_axis, table_origin_mm } => {
             let path = |name: &str| format!("positioner.geometry.axes.{name}");
             direction(&path("tilt_axis"), tilt_axis)?;
@@ -424,7 +489,7 @@ pub(super) fn home(
 
 /// Ranges that the controllers take: `EquipLag` of RAPID, `servoj` of URScript.
 pub(super) fn controller(model: &ControllerModel, arm: &Arm) -> Result<(), WorkcellError> {
-    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s } = *model;
+    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s, language } = *model;
     let within = |path, value: f64, [min, max]: [f64; 2]| match (min..=max).contains(&value) {
         true => Ok(()),
         false => Err(wrong(path, value, format!("from {min} to {max}"))),
@@ -440,5 +505,9 @@ pub(super) fn controller(model: &ControllerModel, arm: &Arm) -> Result<(), Workc
         }
         within(path, value, range)?;
     }
-    Ok(())
+    match language {
+        // Streams and frames of an arm of Universal Robots are those of its own language, and no other arm takes it.
+        Some(language) if (language == ProgramLanguage::UrScript) != arm.is_ur() => Err(WorkcellError::Language),
+        _ => Ok(()),
+    }
 }

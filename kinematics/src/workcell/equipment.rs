@@ -2,7 +2,10 @@
 
 use super::check::{self, Table, WorkcellError, each, finite, positive};
 use super::links::{self, LinkBodies, LinkMeshReader};
-use super::model::{Held, MountModel, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
+use super::model::{
+    ArmGeometry, Held, MountModel, ProgramLanguage, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel,
+};
+use crate::arm::robots::{self, CatalogueArm, Maker};
 use crate::arm::{Arm, ArmModel};
 use crate::positioner::Positioner;
 use crate::scene::{Body, Mount, Scene, SceneModel, Shape};
@@ -77,7 +80,8 @@ impl Equipment {
         check::controller(&model.controller, &arm)?;
         let positioner = table.as_ref().map(|table| table.positioner);
         let (links, link_bodies) = links::of(&model.arm, &arm_model, read)?;
-        let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links)))?;
+        let below = check::mount_below_base(&model.arm)?;
+        let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links), below))?;
         for (index, solid) in model.solids.iter().enumerate() {
             bodies.push(body(&format!("solids[{index}]"), solid, positioner.is_some(), &part, &nozzle)?);
         }
@@ -141,6 +145,14 @@ impl Equipment {
         radians.try_into().ok()
     }
 
+    /// The arm in the catalogue; `None` for one that is given by lengths.
+    pub fn catalogue_arm(&self) -> Option<&'static CatalogueArm> {
+        match &self.model.arm.geometry {
+            ArmGeometry::Named(name) => robots::find(name),
+            _ => None,
+        }
+    }
+
     /// What a report calls the workcell.
     pub fn name(&self) -> &str {
         &self.model.name
@@ -154,6 +166,20 @@ impl Equipment {
     /// The arm, within the limits of the workcell.
     pub fn arm(&self) -> &Arm {
         &self.arm
+    }
+
+    /// The language of its programs: the one that the workcell names, else that of the arm's maker; RAPID for an arm that is given by lengths and
+    /// is not of the type of Universal Robots. `None` for an arm of a maker whose language is not written.
+    pub fn language(&self) -> Option<ProgramLanguage> {
+        let of_arm = match self.catalogue_arm().map(|arm| arm.maker) {
+            None if !self.arm.is_ur() => Some(ProgramLanguage::Rapid),
+            None | Some(Maker::UniversalRobots) => Some(ProgramLanguage::UrScript),
+            Some(Maker::Abb) => Some(ProgramLanguage::Rapid),
+            Some(Maker::Kuka) => Some(ProgramLanguage::Krl),
+            Some(Maker::Fanuc) => Some(ProgramLanguage::Tp),
+            Some(Maker::Staubli | Maker::Yaskawa) => None,
+        };
+        self.model().controller.language.or(of_arm)
     }
 
     /// Where the bodies of the links come from; `None` where the arm has none, and nothing can be said of what it touches.
@@ -296,9 +322,10 @@ fn foot(links: &[Body]) -> f64 {
     if radius > 0.0 { radius } else { UNKNOWN_FOOT_MM }
 }
 
-fn standing(stand: &StandModel, foot: f64) -> Result<Vec<Body>, WorkcellError> {
-    let body =
-        |name: &str, shape| Body { name: name.into(), mount: Mount::Base, mount_body: Isometry3::identity(), shape };
+/// What the arm stands on, whose top is `below` the base frame.
+fn standing(stand: &StandModel, foot: f64, below: f64) -> Result<Vec<Body>, WorkcellError> {
+    let top = Isometry3::translation(0.0, 0.0, -below);
+    let body = |name: &str, shape| Body { name: name.into(), mount: Mount::Base, mount_body: top, shape };
     let block = |low: [f64; 3], high: [f64; 3]| Shape::block(low.into(), high.into());
     match *stand {
         StandModel::Pedestal { height_mm, radius_mm } => {

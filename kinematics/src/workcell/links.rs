@@ -1,8 +1,7 @@
 //! The bodies of the links of a workcell's arm: those that are known of it, those of another arm, or meshes.
 
 use super::check::{self, WorkcellError, finite, positive, wrong};
-use super::model::{ArmPart, BodiesModel, LinkMeshModel};
-use crate::arm::robots::ARMS;
+use super::model::{ArmGeometry, ArmPart, BodiesModel, LinkMeshModel};
 use crate::arm::{ArmModel, Geometry};
 use crate::scene::{self, Body, LINK_NAMES, LinkSource, MAX_COORDINATE, Shape, convex_pieces, link_body};
 use nalgebra::{Isometry3, Point3};
@@ -50,8 +49,14 @@ pub(super) fn of(
         Some(calibration) => check::deviation(calibration)?.greatest_mm(longest_link(&arm.geometry)),
     };
     match &part.bodies {
-        None => Ok((scene::links(arm), scene::link_source(arm).map(|source| LinkBodies::of(source, moved_mm)))),
+        None => match (scene::link_source(arm), &part.geometry) {
+            (Some(source), _) => Ok((scene::links(arm), Some(LinkBodies::of(source, moved_mm)))),
+            (None, ArmGeometry::Named(_)) => estimated(part, arm, moved_mm),
+            // Nobody has said what arm that is.
+            (None, _) => Ok((vec![], None)),
+        },
         Some(BodiesModel::Named(name)) => named(name, arm, moved_mm),
+        Some(BodiesModel::Estimated) => estimated(part, arm, moved_mm),
         Some(BodiesModel::Meshes(meshes)) => meshed(meshes, read),
     }
 }
@@ -63,10 +68,37 @@ fn longest_link(geometry: &Geometry) -> f64 {
     }
 }
 
+/// How far real links stick out of tubes that are estimated from lengths, as a share of the length that tubes follow: `d5` of a UR arm (53 of 116 mm
+/// on a UR10) and the upper arm of an ortho-parallel one (140 of 350 mm on an IRB 1200): see [`scene::estimated_links`].
+const UR_ERROR: f64 = 0.46;
+/// See [`UR_ERROR`].
+const ORTHO_ERROR: f64 = 0.4;
+
+/// The foot of an ortho-parallel arm ends at this share of the height of axis 2.
+const FOOT_SHARE: f64 = 0.45;
+
+/// Bodies from the lengths alone, for an arm of which no others are known: they keep an elbow out of a table, and prove nothing.
+fn estimated(part: &ArmPart, arm: &ArmModel, moved_mm: f64) -> Result<(Vec<Body>, Option<LinkBodies>), WorkcellError> {
+    let mut links = scene::estimated_links(arm);
+    let below = check::mount_below_base(part)?;
+    let error_mm = match &arm.geometry {
+        Geometry::Ur(table) => UR_ERROR * table.d[4].abs(),
+        Geometry::Ortho(lengths) => {
+            if below > 0.0 {
+                let top = FOOT_SHARE * (lengths.c1 + below) - below;
+                links[0].shape = Shape::cylinder(0.3 * lengths.c2.abs(), (-below).min(top), top.max(-below));
+            }
+            ORTHO_ERROR * lengths.c2.abs()
+        }
+    };
+    let model = "tubes from the lengths of the arm, thinner than its links".to_owned();
+    Ok((links, Some(LinkBodies { model, is_estimate: true, error_mm: error_mm + moved_mm })))
+}
+
 /// The bodies of an arm by its name, on one of almost the same lengths.
 fn named(name: &str, arm: &ArmModel, moved_mm: f64) -> Result<(Vec<Body>, Option<LinkBodies>), WorkcellError> {
     let path = "arm.bodies.named";
-    let like = check::named(path, name, &ARMS)?;
+    let like = check::named_arm(path, name)?.model;
     let difference = difference(&like.geometry, &arm.geometry);
     if difference.is_nan() || difference > MAX_DIFFERENCE_MM {
         let must = format!("of an arm whose lengths differ from those of `{name}` by at most {MAX_DIFFERENCE_MM} mm");

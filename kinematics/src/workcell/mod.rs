@@ -60,14 +60,18 @@
 //!
 #![doc = include_str!("../../docs/workcells.md")]
 
+mod around;
 mod check;
 mod eight;
 mod equipment;
 mod file;
 mod growing;
+mod lengths;
 mod links;
 mod model;
 mod six;
+#[cfg(feature = "urdf")]
+mod urdf;
 
 pub use check::WorkcellError;
 pub use eight::EightAxisWorkcell;
@@ -77,10 +81,12 @@ pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, Pa
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
     ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
-    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, RollerModel, ShapeModel, SolidModel,
-    StandModel, VERSION, WorkcellModel,
+    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, ShapeModel,
+    SolidModel, StandModel, UrdfModel, VERSION, WorkcellModel,
 };
 pub use six::SixAxisWorkcell;
+#[cfg(feature = "urdf")]
+pub use urdf::TextReader;
 
 use crate::limits::JointLimits;
 use crate::scene;

@@ -63,6 +63,23 @@ pub struct ControllerModel {
     /// How far `servoj` looks ahead, in seconds, 0.03 to 0.2; absent: 0.03. For an arm of Universal Robots only.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub servoj_lookahead_s: Option<f64>,
+    /// The language of the programs; absent: URScript for an arm of Universal Robots, else RAPID.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub language: Option<ProgramLanguage>,
+}
+
+/// The language of a controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum ProgramLanguage {
+    /// Universal Robots.
+    UrScript,
+    /// ABB.
+    Rapid,
+    /// KUKA.
+    Krl,
+    /// Fanuc.
+    Tp,
 }
 
 #[cfg(feature = "serde")]
@@ -94,8 +111,12 @@ pub struct ArmPart {
     /// What its joints may do in this workcell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: LimitsModel<6>,
+    /// How far the mounting face is below the base frame; absent: what is known of a named arm, else 0. Stand and estimated bodies begin
+    /// there.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub mount_below_base_mm: Option<f64>,
     /// The bodies of its links; absent: those that are known of an arm of these lengths, see
-    /// [`scene::links`](crate::scene::links).
+    /// [`scene::links`](crate::scene::links), or else, of a named arm, [estimated](BodiesModel::Estimated) ones.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub bodies: Option<BodiesModel>,
     /// How much thicker the links are than their bodies, for cables, hoses and clips; see
@@ -125,6 +146,7 @@ impl ArmPart {
             geometry,
             calibration: None,
             limits: LimitsModel::default(),
+            mount_below_base_mm: None,
             bodies: None,
             allowance_mm: Self::ALLOWANCE_MM,
         }
@@ -160,7 +182,10 @@ impl From<&crate::arm::ArmDeviation> for CalibrationModel {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum BodiesModel {
-    /// Those of one of [`robots::ARMS`](crate::robots::ARMS), by its name there: for an arm whose lengths were calibrated. No
+    /// Tubes from the lengths of the arm ([`scene::estimated_links`](crate::scene::estimated_links)): thinner than any real link, so motions that
+    /// are free with them may touch. They keep an elbow out of a table.
+    Estimated,
+    /// Those of one of [`robots::CATALOGUE`](crate::robots::CATALOGUE), by its name: for an arm whose lengths were calibrated. No
     /// length may differ by more than 5 mm.
     Named(String),
     /// Meshes, one or more for each link.
@@ -198,8 +223,10 @@ impl LinkMeshModel {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum ArmGeometry {
-    /// One of [`robots::ARMS`](crate::robots::ARMS), by its name there.
+    /// One of [`robots::CATALOGUE`](crate::robots::CATALOGUE), by one of its names.
     Named(String),
+    /// What a URDF says: see `WorkcellModel::with_urdf` (cargo feature `urdf`).
+    Urdf(UrdfModel),
     /// An arm of the UR type: see [`DhTable::ur`](crate::DhTable::ur).
     Ur {
         /// Offsets along the joint axes.
@@ -208,6 +235,15 @@ pub enum ArmGeometry {
         upper_arm_mm: f64,
         /// Length of the forearm, `a3` of the table; UR prints it negative.
         forearm_mm: f64,
+        /// See [`ArmModel`](crate::ArmModel); those of the table if left out.
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_zero"))]
+        offsets_deg: [f64; 6],
+        /// 1, or -1 where a joint turns the other way.
+        #[cfg_attr(feature = "serde", serde(default = "right_handed", skip_serializing_if = "is_right_handed"))]
+        signs: [f64; 6],
+        /// Coupling of joints 2 and 3, see [`ArmModel::j23_factor`](crate::ArmModel::j23_factor).
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_uncoupled"))]
+        j23_factor: f64,
     },
     /// An ortho-parallel arm with a spherical wrist: see [`OrthoLengths`](crate::OrthoLengths).
     OrthoParallel {
@@ -229,7 +265,58 @@ pub enum ArmGeometry {
         offsets_deg: [f64; 6],
         /// 1, or -1 where a joint turns the other way.
         signs: [f64; 6],
+        /// Coupling of joints 2 and 3, see [`ArmModel::j23_factor`](crate::ArmModel::j23_factor).
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_uncoupled"))]
+        j23_factor: f64,
     },
+}
+
+#[cfg(feature = "serde")]
+fn is_zero(values: &[f64; 6]) -> bool {
+    values.iter().all(|value| value.abs() <= 0.0)
+}
+
+#[cfg(feature = "serde")]
+fn right_handed() -> [f64; 6] {
+    [1.0; 6]
+}
+
+#[cfg(feature = "serde")]
+fn is_right_handed(signs: &[f64; 6]) -> bool {
+    signs.iter().all(|sign| (sign - 1.0).abs() <= 0.0)
+}
+
+#[cfg(feature = "serde")]
+fn is_uncoupled(factor: &f64) -> bool {
+    factor.abs() <= 0.0
+}
+
+/// A URDF, and between which of its links the arm is.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(untagged))]
+pub enum UrdfModel {
+    /// The file, its path from the folder of the workcell file on. The base is the link `base` where it is fixed to the root, else the
+    /// root; the flange is `tool0`, else `flange`, else the last link of the chain of six joints.
+    File(String),
+    /// The same with the links named.
+    Links {
+        /// The file.
+        file: String,
+        /// The link that is the base.
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+        base: Option<String>,
+        /// The link that is the flange.
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+        flange: Option<String>,
+    },
+}
+
+impl UrdfModel {
+    /// The file.
+    pub fn file(&self) -> &str {
+        let (UrdfModel::File(file) | UrdfModel::Links { file, .. }) = self;
+        file
+    }
 }
 
 /// Limits of `N` joints. An absent or `null` list leaves what is known of a named robot, or no limit; a `null` in a list is

@@ -34,15 +34,21 @@ fn offset() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), -200.0..200.0f64]
 }
 
-/// Arms that nobody has built yet.
+/// Random arms.
 fn made_up() -> impl Strategy<Value = ArmModel> {
     let ur =
         (prop::array::uniform6(offset()), link(), link()).prop_map(|(d, a2, a3)| Geometry::Ur(DhTable::ur(d, a2, a3)));
     let lengths = (offset(), offset(), offset(), offset(), link(), link(), offset());
     let ortho =
         lengths.prop_map(|(a1, a2, b, c1, c2, c3, c4)| Geometry::Ortho(OrthoLengths { a1, a2, b, c1, c2, c3, c4 }));
-    (prop_oneof![ur, ortho], prop::array::uniform6(-4.0..4.0), signs())
-        .prop_map(|(geometry, offsets, signs)| ArmModel { geometry, offsets, signs, limits: JointLimits::NONE })
+    (prop_oneof![ur, ortho], prop::array::uniform6(-4.0..4.0), signs(), prop::sample::select(vec![0.0, 1.0, -1.0]))
+        .prop_map(|(geometry, offsets, signs, j23_factor)| ArmModel {
+            geometry,
+            offsets,
+            signs,
+            j23_factor,
+            limits: JointLimits::NONE,
+        })
 }
 
 fn any_arm() -> impl Strategy<Value = Arm> {
@@ -124,7 +130,11 @@ proptest! {
                 let (mm, rad) = miss(&after[frame], &frames[frame]);
                 prop_assert_eq!(mm.max(rad) < 1e-9, frame <= k, "joint {}, frame {}", k, frame);
             }
-            // ... by a turn about its axis.
+            // ... by a turn about its axis; a coupled joint 2 with joint 3 turned back.
+            if k == 1 {
+                moved[2] -= 0.7 * arm.j23_factor();
+            }
+            let after = arm.frames(&moved);
             let (point, axis) = arm.axes(&joints)[k];
             let turn = Isometry3::rotation_wrt_point(UnitQuaternion::from_axis_angle(&axis, 0.7), point);
             let (mm, rad) = miss(&(turn * frames[6]), &after[6]);
@@ -235,6 +245,7 @@ fn the_slow_inverse_finds_the_same_solutions() {
         }),
         offsets: [0.3, -0.2, 1.0, 0.1, 0.0, 2.0],
         signs: [1.0, -1.0, 1.0, -1.0, 1.0, -1.0],
+        j23_factor: 1.0,
         limits: JointLimits::NONE,
     };
     let odd = ArmModel {

@@ -174,7 +174,7 @@ fn postures_beside_singularities_are_found_again() {
 fn the_closed_form_stays_where_it_holds() {
     let mut deviation = ArmDeviation { offsets: [0.01, -0.02, 0.03, 0.01, -0.01, 0.02], ..ArmDeviation::none() };
     for (name, model, _) in ARMS {
-        // Lengths, as far as the closed form has them.
+        // The lengths that the closed form has.
         deviation.axes = [[0.0; 3]; 5].map(|shift| Translation3::from(shift).into());
         let shifts: [(usize, usize); 4] =
             if arm(model).is_ur() { [(1, 0), (2, 0), (3, 1), (4, 1)] } else { [(0, 0), (1, 2), (2, 0), (2, 2)] };

@@ -12,7 +12,7 @@ use curvlay_kinematics::{
 use proptest::prelude::*;
 use std::ops::ControlFlow::Continue;
 
-/// Numbers of all sizes, and those that are none.
+/// Numbers of all sizes, infinity and NaN.
 fn wild() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -10.0..10.0f64,
@@ -43,6 +43,7 @@ fn wild_model() -> impl Strategy<Value = ArmModel> {
             geometry,
             offsets,
             signs: [1.0; 6],
+            j23_factor: 0.0,
             limits: JointLimits { lower, upper, ..JointLimits::NONE },
         },
     );

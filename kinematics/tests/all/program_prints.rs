@@ -2,14 +2,16 @@
 #![cfg(feature = "serde")] // the cells are read from the files of the examples
 #![allow(clippy::float_cmp, clippy::type_complexity)] // times of ticks are exact; legs are closures
 
+use crate::common::programs::{same_pose, written_files};
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Point3, UnitQuaternion, Vector3};
 use curvlay_kinematics::print_program::{
     PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::program::{
-    Goal, Move, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, UrScriptOptions, UrScriptReader,
-    Zone, program_seconds, read_rapid, write_rapid, write_urscript,
+    Goal, KrlOptions, Move, ProgramLimits, RapidOptions, RapidSwitching, ServoRate, Speed, Step, TpOptions,
+    UrScriptOptions, UrScriptReader, Zone, program_seconds, read_krl, read_rapid, read_tp, write_krl, write_rapid,
+    write_tp, write_urscript,
 };
 use curvlay_kinematics::workcell::{
     AnyWorkcell, ArmGeometry, ControllerModel, EightAxisWorkcell, Equipment, SixAxisWorkcell, Workcell, WorkcellModel,
@@ -83,7 +85,7 @@ proptest! {
                     on = now;
                 }
                 Step::FilamentSpeed(now) => speed = now,
-                Step::Move(_) | Step::Signal { .. } | Step::Wait(_) => prop_assert!(false, "a second move, or a signal of nobody"),
+                Step::Move(_) | Step::Signal { .. } | Step::Wait(_) => prop_assert!(false, "a second move, or an unexpected signal"),
             }
         }
         prop_assert_eq!(f64::from(tick), (total / rate.seconds() + 1e-12).floor());
@@ -205,7 +207,7 @@ fn targets_of_little() {
     assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![], head: None }), []);
     assert_eq!(steps(TargetMotion { knots: vec![], onward: vec![[0.0; 8]], head: None }).len(), 1);
     assert_eq!(steps(TargetMotion { knots: motion().knots[..1].to_vec(), onward: vec![], head: None }).len(), 4);
-    // Standing still takes the least speeds; filament that is drawn back is none.
+    // Standing still takes the least speeds; filament that is drawn back does not count.
     let still = |time_s, filament_mm| PrintKnot { time_s, filament_mm, ..motion().knots[0] };
     let slow = steps(TargetMotion { knots: vec![still(0.0, 1.0), still(1.0, 0.0)], onward: vec![], head: None });
     let Step::Move(Move { speed, .. }) = slow[3] else { panic!("{:?}", slow[3]) };
@@ -246,6 +248,43 @@ fn rapid_of_a_workcell_comes_back() {
     assert_eq!((ur3.tool.in_hand, ur3.work_object.in_hand, ur3.work_object.unit), (false, true, None));
 }
 
+/// The same targets for a KUKA and a Fanuc controller: with the frames of the workcell, the table along, and each step comes back.
+#[test]
+fn targets_are_programs_of_other_makers() {
+    let cell = over_table();
+    let steps: Vec<Step> = print_targets(&cell, [motion()], TargetOptions::default()).collect();
+    let options = KrlOptions::of_workcell(cell.equipment());
+    assert_eq!((options.part_in_hand, options.kinematic), (false, Some(2)));
+    let (files, _) = written_files(|open| write_krl(steps.iter().copied(), &options, open)).unwrap();
+    let file = |name: &str| Cursor::new(files[name].clone());
+    let krl = read_krl(file("CURVLAY.dat"), file("CURVLAY.src"), |name| Ok(file(name))).unwrap();
+    let [tool, base] = krl.frames();
+    assert!(same_pose(&tool, &options.tool) && same_pose(&base, &options.work));
+    let krl: Vec<Step> = krl.collect::<Result<_, _>>().unwrap();
+    let options = TpOptions::of_workcell(cell.equipment());
+    let (files, _) = written_files(|open| write_tp(steps.iter().copied(), &options, open)).unwrap();
+    let file = |name: &str| Cursor::new(files[name].clone());
+    let tp: Vec<Step> = read_tp(file("CURVLAY.ls"), |name| Ok(file(name))).unwrap().collect::<Result<_, _>>().unwrap();
+    for again in [krl, tp] {
+        assert_eq!(again.len(), steps.len());
+        for (a, b) in steps.iter().zip(&again) {
+            if let (Step::Move(a), Step::Move(b)) = (a, b) {
+                let [a_axes, b_axes] = [a.table, b.table].map(|table| table.unwrap().table().unwrap());
+                assert!((0..2).all(|k| (a_axes[k] - b_axes[k]).abs() < 1e-6));
+                if let (Goal::Line(a), Goal::Line(b)) = (a.goal, b.goal) {
+                    assert!(same_pose(&a.pose, &b.pose));
+                }
+            }
+        }
+    }
+    // The part in the hand.
+    let [krl, tp] = [
+        KrlOptions::of_workcell(ur3().equipment()).part_in_hand,
+        TpOptions::of_workcell(ur3().equipment()).part_in_hand,
+    ];
+    assert!(krl && tp);
+}
+
 /// What a workcell says of its controller is in the options of each kind of program.
 #[test]
 fn options_are_those_of_the_controller() {
@@ -253,6 +292,8 @@ fn options_are_those_of_the_controller() {
         AnyWorkcell::new(WorkcellModel { controller, ..cell.model().clone() }).unwrap()
     };
     let lag = |extruder_lag_s: f64| ControllerModel { extruder_lag_s, ..ControllerModel::default() };
+    let late = with(over_table().equipment(), lag(0.12));
+    assert_eq!(KrlOptions::of_workcell(late.equipment()).lag_s.to_bits(), 0.12f64.to_bits());
     for extruder_lag_s in [0.0, 0.12] {
         let cell = with(over_table().equipment(), lag(extruder_lag_s));
         let switching = RapidOptions::of_workcell(cell.equipment()).switching;
@@ -264,7 +305,12 @@ fn options_are_those_of_the_controller() {
         (gain, lookahead_s, StreamOptions::of_workcell(cell.equipment()))
     };
     assert_eq!(of_ur3(lag(0.0)), (2000.0, 0.03, StreamOptions { lag_s: 0.03, ..StreamOptions::default() }));
-    let soft = ControllerModel { extruder_lag_s: 0.25, servoj_gain: Some(500.0), servoj_lookahead_s: Some(0.125) };
+    let soft = ControllerModel {
+        extruder_lag_s: 0.25,
+        servoj_gain: Some(500.0),
+        servoj_lookahead_s: Some(0.125),
+        language: None,
+    };
     assert_eq!(of_ur3(soft), (500.0, 0.125, StreamOptions { lag_s: -0.125, ..StreamOptions::default() }));
     let mut model = ur3().equipment().model().clone();
     model.arm.geometry = ArmGeometry::Named("UR3e".into());

@@ -332,3 +332,174 @@ fn the_part_in_the_hand_comes_to_the_nozzle() {
         before = Some(base_tcp);
     }
 }
+
+fn fed_steps(speeds: &[f64]) -> Vec<Step> {
+    let mut steps = vec![line(0.0, Zone::Stop), Step::Extruder(true)];
+    for (k, speed) in (0u32..).zip(speeds) {
+        steps.extend([Step::FilamentSpeed(*speed), line(10.0 * f64::from(k + 1), Zone::Stop)]);
+    }
+    steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
+    steps
+}
+
+fn at_modbus(step_mm_s: f64) -> UrExtruder {
+    let address = std::net::Ipv4Addr::new(192, 168, 0, 20);
+    UrExtruder::Modbus { address, unit: 255, switch: 3, speed: 130, step_mm_s }
+}
+
+fn at_socket(rpm_per_mm_s: f64) -> UrExtruder {
+    UrExtruder::Socket { address: std::net::Ipv4Addr::new(10, 0, 0, 7), port: 5000, rpm_per_mm_s }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever drives the extruder, switches and speeds come back: speeds to a count of the register, to the digits of a command.
+    #[test]
+    fn extruders_elsewhere_come_back(speeds in prop::collection::vec(0.0..20.0f64, 0..6), unit in 1e-3..0.05f64, is_socket in any::<bool>()) {
+        let extruder = if is_socket { at_socket(1.0 / unit) } else { at_modbus(unit) };
+        let steps = fed_steps(&speeds);
+        let (text, _) = script(&steps, &UrScriptOptions { extruder, starts: true, ..free() }).unwrap();
+        let again = read(&text);
+        prop_assert_eq!(again.len(), steps.len());
+        for (a, b) in steps.iter().zip(&again) {
+            match (a, b) {
+                (Step::FilamentSpeed(a), Step::FilamentSpeed(b)) => {
+                    let most = if is_socket { 1e-9 * a.max(1.0) } else { 0.5001 * unit };
+                    prop_assert!((a - b).abs() <= most);
+                }
+                (Step::Move(_), Step::Move(_)) => {}
+                (a, b) => prop_assert_eq!(a, b),
+            }
+        }
+        // Each command is one of the protocol.
+        for line in text.lines().filter(|line| line.contains("socket_send_line")) {
+            let command = line.split('"').nth(1).unwrap();
+            prop_assert!(command.parse::<ExtruderCommand>().is_ok(), "{command}");
+        }
+    }
+}
+
+#[test]
+fn extruders_at_modbus_and_at_a_socket() {
+    let steps = fed_steps(&[2.5]);
+    let lines = |extruder| {
+        let (text, _) = script(&steps, &UrScriptOptions { extruder, ..free() }).unwrap();
+        let kept = text.lines().map(str::trim).filter(|line| !line.starts_with("movel") && !line.starts_with("work="));
+        kept.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        lines(at_modbus(0.001)),
+        [
+            "def curvlay():",
+            "set_tcp(p[0,0,0,0,0,0])",
+            "modbus_add_signal(\"192.168.0.20\",255,3,1,\"extruder\")",
+            "modbus_add_signal(\"192.168.0.20\",255,130,3,\"filament\")",
+            "modbus_set_signal_update_frequency(\"extruder\",125)",
+            "modbus_set_signal_update_frequency(\"filament\",125)",
+            "filament_step=0.001",
+            "modbus_set_output_signal(\"extruder\",True)",
+            "modbus_set_output_register(\"filament\",2500,False)",
+            "modbus_set_output_register(\"filament\",0,False)",
+            "modbus_set_output_signal(\"extruder\",False)",
+            "end"
+        ]
+    );
+    assert_eq!(
+        lines(at_socket(8.0)),
+        [
+            "def curvlay():",
+            "set_tcp(p[0,0,0,0,0,0])",
+            "socket_open(\"10.0.0.7\",5000,\"extruder\")",
+            "rpm_per_mm_s=8",
+            "socket_send_line(\"START\",\"extruder\")",
+            "socket_send_line(\"RPM,20\",\"extruder\")",
+            "socket_send_line(\"RPM,0\",\"extruder\")",
+            "socket_send_line(\"STOP\",\"extruder\")",
+            "socket_close(\"extruder\")",
+            "end"
+        ]
+    );
+    // What the signal cannot hold is refused: 65535 counts, 10,000 turns a minute.
+    for (extruder, most) in [(at_modbus(1e-5), 0.655_35), (at_socket(5000.0), 2.0)] {
+        let error = script(&steps, &UrScriptOptions { extruder, ..free() }).unwrap_err();
+        assert!(
+            matches!(error, WriteError::Number { index: 2, what: "filament_mm_s", most: limit, .. } if (limit - most).abs() < 1e-9),
+            "{error}"
+        );
+    }
+    for (extruder, field) in [
+        (at_modbus(0.0), "extruder.step_mm_s"),
+        (at_modbus(f64::NAN), "extruder.step_mm_s"),
+        (at_socket(f64::INFINITY), "extruder.rpm_per_mm_s"),
+        (UrExtruder::Socket { address: [1, 1, 1, 1].into(), port: 0, rpm_per_mm_s: 1.0 }, "extruder.port"),
+    ] {
+        let error = script(&steps, &UrScriptOptions { extruder, ..free() }).unwrap_err();
+        assert!(matches!(error, WriteError::Option { what, .. } if what == field), "{error}");
+    }
+}
+
+#[test]
+fn signals_that_no_writer_writes_are_refused() {
+    let head = "def a():\nwork=p[0,0,0,0,0,0]\nset_tcp(p[0,0,0,0,0,0])\n";
+    for (line, expected) in [
+        ("modbus_set_output_register(\"filament\",3,False)", "filament_step before a register"),
+        ("filament_step=0.1\nmodbus_set_output_register(\"filament\",70000,False)", "70000 cannot be"),
+        ("filament_step=0.1\nmodbus_set_output_register(\"other\",7,False)", "found `other`"),
+        (
+            "filament_step=900000\nmodbus_set_output_register(\"filament\",60000,False)",
+            "cannot be a speed of the filament",
+        ),
+        ("modbus_set_output_signal(\"extruder\",1)", "True or False"),
+        ("socket_send_line(\"RPM,3\",\"extruder\")", "START, STOP or RPM behind rpm_per_mm_s"),
+        ("rpm_per_mm_s=2\nsocket_send_line(\"RPM,x\",\"extruder\")", "found `RPM,x`"),
+        ("socket_open(a,1)", "a text or a number"),
+        ("socket_open(\"1.1.1.1\"", ", or )"),
+    ] {
+        let text = format!("{head}{line}\nend\n");
+        let error = UrScriptReader::new(text.as_bytes()).unwrap().find_map(Result::err).unwrap().to_string();
+        assert!(error.contains(expected), "{line}: {error}");
+    }
+}
+
+#[test]
+fn a_remark_stands_at_the_head_and_is_one_line() {
+    let with = |remark: &str| {
+        script(&[joints([0.5; 6])], &UrScriptOptions { remark: Some(remark.to_owned()), ..free() })
+            .map(|(text, _)| text)
+    };
+    let text = with("Begins at 1, 2, 3 degrees.").unwrap();
+    assert!(text.starts_with("def curvlay():\n  # Begins at 1, 2, 3 degrees.\n  work=p["), "{text}");
+    assert_eq!(read(&text).len(), 1);
+    for wrong in ["a\nend", "\u{e9}", &"x".repeat(401)] {
+        assert!(matches!(with(wrong).unwrap_err(), WriteError::Name { what: "remark", .. }), "{wrong}");
+    }
+}
+
+/// The golden file: a stroke of lines with blends, as a controller of Universal Robots is given it.
+#[test]
+fn a_stroke_is_these_lines() {
+    let steps = [
+        joints([0.0, -1.5, 1.5, 0.0, 0.5, 0.0]),
+        line(0.0, Zone::Stop),
+        Step::Extruder(true),
+        Step::FilamentSpeed(5.0),
+        line(10.0, Zone::Blend(0.5)),
+        Step::FilamentSpeed(6.0),
+        line(20.0, Zone::Stop),
+        Step::FilamentSpeed(0.0),
+        Step::Extruder(false),
+    ];
+    let options = UrScriptOptions {
+        name: "print_001".to_owned(),
+        remark: Some("Begins and ends at home.".to_owned()),
+        work: Isometry3::translation(600.0, -50.0, 20.0),
+        tool: Isometry3::translation(0.0, 0.0, 150.0),
+        straight: Straight::MoveP,
+        starts: true,
+        ..free()
+    };
+    let (text, written) = script(&steps, &options).unwrap();
+    assert_eq!(text, include_str!("programs/print_001.script"));
+    assert_eq!((written.moves, written.blends_reduced, written.stops_added), (4, 0, 0));
+}

@@ -99,7 +99,7 @@ fn the_mode_of_every_row_is_found_again() {
     println!("{:.1} modes a row, at most {most}", all as f64 / 50.0);
 }
 
-/// Platforms that nobody has built yet.
+/// Random platforms.
 fn model(planar: bool) -> impl Strategy<Value = StewartModel> {
     let ring = move |radius: f64| {
         let joint = (0.0..2.0 * PI, 0.6..1.4f64, -0.3..0.3f64);
@@ -193,7 +193,7 @@ proptest! {
 
     #[test]
     fn the_mirror_image_has_the_same_legs(model in model(true), pose in pose(), tilt in prop::array::uniform3(-1.0..1.0f64)) {
-        // Planes that are nobody's coordinate planes.
+        // Planes in general position.
         let (a, b) = (at(10.0, 20.0, 30.0, tilt), at(-5.0, 7.0, 3.0, [tilt[1], tilt[2], tilt[0]]));
         let moved = |joints: [[f64; 3]; 6], by: &Isometry3<f64>| joints.map(|joint| (by * Point3::from(joint)).coords.into());
         let model = StewartModel { base: moved(model.base, &a), platform: moved(model.platform, &b), ..model };

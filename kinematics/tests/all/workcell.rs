@@ -356,6 +356,7 @@ fn the_arm_goes_on_with_the_table_at_rest_and_the_tool_turned() {
 /// The lengths of the IRB 1200, times a factor.
 fn irb1200_geometry(by: f64) -> ArmGeometry {
     ArmGeometry::OrthoParallel {
+        j23_factor: 0.0,
         a1_mm: 0.0,
         a2_mm: -42.0 * by,
         b_mm: 0.0,
@@ -459,7 +460,14 @@ fn a_table_with_narrow_stops_is_no_turn() {
 fn with_lengths(text: &str) -> WorkcellModel {
     let mut model = model(text);
     let d_mm = [127.3, 0.0, 0.0, 163.941, 115.7, 92.2];
-    model.arm.geometry = ArmGeometry::Ur { d_mm, upper_arm_mm: -612.0, forearm_mm: -572.3 };
+    model.arm.geometry = ArmGeometry::Ur {
+        d_mm,
+        upper_arm_mm: -612.0,
+        forearm_mm: -572.3,
+        offsets_deg: [0.0; 6],
+        signs: [1.0; 6],
+        j23_factor: 0.0,
+    };
     model
 }
 
@@ -584,9 +592,11 @@ fn numbers_that_cannot_be_are_named_as_in_the_file() {
 #[test]
 fn cells_that_cannot_be_are_refused() {
     let unknown = refused(UR3, |m| m.arm.geometry = ArmGeometry::Named("UR17".into()));
-    let expected =
-        "arm.geometry.named: no robot is called `UR17`; known are UR3, UR3e, UR5, UR5e, UR10, IRB120, IRB1200";
-    assert_eq!(unknown.to_string(), expected);
+    let expected = "arm.geometry.named: no robot is called `UR17`; near are UR10, UR16e, UR3, UR3e; examples/cells/arms.json has all \
+                    names; any other arm is given by its lengths instead of a name, like {\"ortho_parallel\": {\"a1_mm\": 150, ";
+    assert!(unknown.to_string().starts_with(expected), "{unknown}");
+    let far = refused(UR3, |m| m.arm.geometry = ArmGeometry::Named("kitchen mixer".into()));
+    assert!(far.to_string().contains("`kitchen mixer`; examples/cells/arms.json has all names"), "{far}");
     let unknown = refused(IRB1200, |m| {
         m.positioner.as_mut().unwrap().geometry = PositionerGeometry::Named("A-250".into());
     });
@@ -675,7 +685,14 @@ fn an_arm_that_cannot_reach_is_refused() {
     };
     let mut metres = model(UR3);
     let d_mm = [0.1519, 0.0, 0.0, 0.11235, 0.08535, 0.0819];
-    metres.arm.geometry = ArmGeometry::Ur { d_mm, upper_arm_mm: -0.24365, forearm_mm: -0.21325 };
+    metres.arm.geometry = ArmGeometry::Ur {
+        d_mm,
+        upper_arm_mm: -0.24365,
+        forearm_mm: -0.21325,
+        offsets_deg: [0.0; 6],
+        signs: [1.0; 6],
+        j23_factor: 0.0,
+    };
     assert!(
         refused(metres).starts_with("arm.geometry: stretched out, the arm reaches 0.9 mm: lengths are in millimetres")
     );

@@ -1,9 +1,10 @@
-//! Files of workcells: written and read, and files that are none.
+//! Files of workcells: written and read, and invalid files.
 #![cfg(feature = "serde")]
 
 use curvlay_kinematics::workcell::{
     AnyWorkcell, ArmGeometry, BodiesModel, ControllerModel, FrameModel, LimitsModel, LinkMeshModel, MountModel,
-    PositionerGeometry, ShapeModel, SolidModel, StandModel, Workcell, WorkcellError, WorkcellFileError, WorkcellModel,
+    PositionerGeometry, ProgramLanguage, ShapeModel, SolidModel, StandModel, Workcell, WorkcellError,
+    WorkcellFileError, WorkcellModel,
 };
 use proptest::prelude::*;
 use std::io::{Error, Read, Write};
@@ -46,6 +47,7 @@ fn files_say_what_they_say() {
 fn every_kind() -> WorkcellModel {
     let mut model = read(FILES[1]);
     model.arm.geometry = ArmGeometry::OrthoParallel {
+        j23_factor: 0.0,
         a1_mm: 0.0,
         a2_mm: -42.0,
         b_mm: 0.1,
@@ -105,6 +107,7 @@ fn every_field_is_documented() {
     let mut of_ur = read(FILES[0]);
     of_ur.controller.servoj_gain = Some(500.0);
     of_ur.controller.servoj_lookahead_s = Some(0.1);
+    of_ur.controller.language = Some(ProgramLanguage::UrScript);
     for model in FILES.map(read).into_iter().chain([every_kind(), of_ur]) {
         keys(&serde_json::to_value(model).unwrap(), &mut found);
     }
@@ -287,4 +290,32 @@ fn a_controller_is_checked() {
         assert_eq!(error(irb, controller), expected);
     }
     assert!(!written(&with(ur3, defaults)).contains("controller"));
+}
+
+/// The language is that of the arm, or the one that the file names, as long as it is one of the arm's maker.
+#[test]
+fn a_controller_names_its_language() {
+    use ProgramLanguage::{Krl, Rapid, Tp, UrScript};
+    let with = |file: &str, language| {
+        let controller = ControllerModel { language, ..ControllerModel::default() };
+        AnyWorkcell::new(WorkcellModel { controller, ..read(file) }).map(|cell| cell.equipment().language())
+    };
+    let [ur3, irb] = [FILES[0], FILES[1]];
+    assert_eq!((with(ur3, None).unwrap(), with(irb, None).unwrap()), (Some(UrScript), Some(Rapid)));
+    for language in [Rapid, Krl, Tp] {
+        assert_eq!(with(irb, Some(language)).unwrap(), Some(language));
+        assert!(
+            with(ur3, Some(language)).unwrap_err().to_string().starts_with("controller.language: arms of Universal")
+        );
+    }
+    assert_eq!(with(ur3, Some(UrScript)).unwrap(), Some(UrScript));
+    assert!(with(irb, Some(UrScript)).is_err());
+    for (name, language) in [("urscript", UrScript), ("rapid", Rapid), ("krl", Krl), ("tp", Tp)] {
+        let file = if language == UrScript { ur3 } else { irb };
+        let controller = ControllerModel { language: Some(language), ..ControllerModel::default() };
+        let model = WorkcellModel { controller, ..read(file) };
+        let text = written(&model);
+        assert!(text.contains(&format!("\"language\": \"{name}\"")), "{text}");
+        assert_eq!(read(&text), model);
+    }
 }

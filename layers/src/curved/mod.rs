@@ -52,7 +52,7 @@ pub use part::directions::{CellDirections, DirectionAt, DirectionsError};
 pub use part::error::LayersError;
 pub use part::guides::Guides;
 pub use part::heights::HeightsError;
-pub use part::layer_surfaces::{EVEN_THICKNESS, LayerBoundary, LayerSurfaces};
+pub use part::layer_surfaces::{LayerBoundary, LayerSurfaces};
 pub use part::layered::LayeredPart;
 pub use part::options::{LayerOptions, LayersBy, NozzleUse};
 pub use part::order::PartOrder;

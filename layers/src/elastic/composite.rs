@@ -180,7 +180,7 @@ impl Spread<'_> {
 /// As [`solve_elastic`](super::solve_elastic) for a part with tapes: its material everywhere but in the cells of the plies, which are laminates of it and of `tape`.
 ///
 /// # Errors
-/// [`ElasticError`]; [`ElasticError::Ply`] for a ply without axes, of no cell, or with a share that is none, [`ElasticError::Orthotropic`].
+/// [`ElasticError`]; [`ElasticError::Ply`] for a ply without axes, of no cell, or with an invalid share, [`ElasticError::Orthotropic`].
 ///
 /// # Cost
 /// That of [`solve_elastic`](super::solve_elastic), and some 5 kilobytes for each cell with a direction of its own.

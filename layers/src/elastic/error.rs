@@ -30,7 +30,7 @@ pub enum ElasticError {
         /// Poisson's ratio.
         poisson: f64,
     },
-    /// An orthotropic material that is none: a modulus that is not above 0 and finite, or Poisson's ratios with which a strain would give work.
+    /// An invalid orthotropic material: a modulus that is not above 0 and finite, or Poisson's ratios with which a strain would give work.
     #[error(
         "an orthotropic material whose moduli are not all above 0 and finite, or whose Poisson's ratios are too large for them"
     )]
@@ -47,7 +47,7 @@ pub enum ElasticError {
         /// Which, from 0.
         strip: usize,
     },
-    /// The tolerance or the number of iterations is none.
+    /// The tolerance or the number of iterations is invalid.
     #[error(
         "a tolerance of {tolerance} within {max_iterations} iterations: it must lie above 0 and below 1, with one iteration at least"
     )]

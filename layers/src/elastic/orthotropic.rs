@@ -72,7 +72,7 @@ impl Orthotropic {
         s
     }
 
-    /// Stress from strain along the axes of the material; `None` for one that is no material: whatever strains it must cost work.
+    /// Stress from strain along the axes of the material; `None` for an invalid material: whatever strains it must cost work.
     pub fn law(&self) -> Option<Matrix6<f64>> {
         let all = self.young_mpa.iter().chain(&self.shear_mpa);
         let is_number = all.chain(&self.poisson).all(|value| value.is_finite());
@@ -152,7 +152,7 @@ pub fn laminate(a: &Matrix6<f64>, b: &Matrix6<f64>, share: f64) -> Matrix6<f64> 
     (law + law.transpose()) / 2.0
 }
 
-/// The axes of a ply: the direction of its fibre as far as it lies in the plane, across it, and its normal; `None` where these are no axes.
+/// The axes of a ply: the direction of its fibre projected into the plane, across it, and its normal; `None` where these are not axes.
 pub(super) fn axes(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Option<Matrix3<f64>> {
     // NaN would pass the limits of `try_normalize`.
     if !direction.iter().chain(normal).all(|x| x.is_finite()) {

@@ -115,6 +115,7 @@ impl Trimmer {
             if progress(report).is_break() {
                 return Err(TrimError::Cancelled);
             }
+            // In order of the sheets: what an earlier one has lost is no wall for later ones.
             let wall = Wall::new(met, &all, &clipped);
             let below = Below { all: &all, own: sheet as u32, reach: REACH * height_mm };
             if let Some(left) = self.clip_one(&sheets[sheet], &wall, &below)? {
@@ -135,6 +136,7 @@ impl Trimmer {
             Err(TrimError::EmptyMesh) => return Ok(None),
             solid => solid?,
         };
+        // A sheet that cannot be cut stays: what it crosses is counted as left.
         let pieces = match Pieces::cut(&cut, &solid, &|_, _| Ok(())) {
             Err(TrimError::Tangled { .. }) => return Ok(None),
             pieces => pieces?,
@@ -210,10 +212,12 @@ impl Below<'_> {
         let count = pieces.corners.len();
         let mut gone: Vec<bool> = (0..count).map(|piece| pieces.rise[piece].iter().any(|&rise| rise > 0)).collect();
         let mut waiting: Vec<usize> = (0..count).filter(|&piece| gone[piece]).collect();
+        // What is asked once is not asked again: whether a piece lies below does not depend on the way to it.
         let mut asked = gone.clone();
         while let Some(piece) = waiting.pop() {
             for side in 0..3 {
                 let across = pieces.across[piece][side];
+                // A cut parts what lies below from what does not: the walk ends there.
                 if across == NONE || pieces.rise[piece][side] != 0 {
                     continue;
                 }

@@ -58,6 +58,7 @@ pub fn count_crossings(surfaces: &[SurfaceSlices], progress: ProgressFn) -> Resu
     let of_surface = |surface: usize, _: ProgressFn| {
         let (points, triangles) = surfaces[surface];
         let edges = Edges::new(triangles);
+        // By edges, not by triangles, so that each counts once.
         let crosses = |ends: &&[u32; 2]| all.is_crossed(surface as u32, ends.map(|end| &points[end as usize]));
         SurfaceCrossings { edges: edges.ends.len(), crossing: edges.ends.iter().filter(crosses).count() }
     };

@@ -7,7 +7,7 @@ use std::fmt;
 pub const MAX_COORDINATE: f64 = 1e9;
 
 /// What asks whether to go on: so many triangles of so many are done.
-pub(super) type AccessibilityTracker<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
+pub(super) type Watch<'a> = &'a dyn Fn(usize, usize) -> Result<(), TrimError>;
 
 /// Which of the two inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

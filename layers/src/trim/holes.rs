@@ -6,7 +6,7 @@
 //! it, and on its other side it differs by the rise of the cut. What is smaller than a triangle of the sheet may be missed.
 
 use super::edges::Edges;
-use super::error::{AccessibilityTracker, TrimError};
+use super::error::{TrimError, Watch};
 use super::patch::NONE;
 use super::pieces::Pieces;
 use super::solid::Solid;
@@ -42,7 +42,7 @@ pub(super) fn split_at_half(
     pieces: &mut Pieces,
     solid: &Solid,
     dipoles: &Dipoles,
-    watch: AccessibilityTracker,
+    watch: Watch,
 ) -> Result<Vec<bool>, TrimError> {
     let count = 3 * pieces.corners.len();
     let mut halves = Halves { pieces, solid, dipoles, excess: vec![f64::NAN; count] };
@@ -51,6 +51,7 @@ pub(super) fn split_at_half(
     let mut split = vec![NONE; count];
     for half in 0..count as u32 {
         let back = halves.across(half);
+        // One point for both sides of an edge, so that the parts of neighbours fit.
         if halves.changes(half) && split[half as usize] == NONE {
             let point = (halves.pieces.points.len() + points.len()) as u32;
             points.push(halves.half_on(half));
@@ -94,7 +95,7 @@ impl Halves<'_> {
     }
 
     /// Finds the number of each corner.
-    fn measure(&mut self, watch: AccessibilityTracker) -> Result<(), TrimError> {
+    fn measure(&mut self, watch: Watch) -> Result<(), TrimError> {
         let mut fan = Vec::new();
         let mut numbers = Vec::new();
         for half in 0..self.excess.len() as u32 {
@@ -192,12 +193,15 @@ impl Halves<'_> {
                 stayed = 2;
             }
         }
+        // Both values are 0 only where the number is one half all along the side.
         let share = if share.is_finite() { share.clamp(END, 1.0 - END) } else { 0.5 };
         a + (b - a) * share
     }
 
     /// The pieces, those with split sides in parts, and which are inside. Their points are left out.
     fn divide(&self, split: &[u32]) -> (Pieces, Vec<bool>) {
+        // Signs at the corners decide what is cut, as in marching triangles. Across a cut along the mesh they may differ between both
+        // sides of an edge; the point on it is one all the same, and a piece may be split on any of its sides.
         let (mut parts, mut keep) = (Pieces::default(), Vec::new());
         let mut rises = Vec::new();
         for piece in 0..self.pieces.corners.len() {

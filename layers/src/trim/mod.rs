@@ -244,6 +244,7 @@ impl Trimmer {
             }
             _ => Ok(()),
         };
+        // The tests of the input are here; from here on nothing but cancelling and a tangled mesh can fail.
         let sheet = Sheet::new(vertices, triangles)?;
         let mut pieces = Pieces::cut(&sheet, &self.solid, &watch)?;
         let keep: Vec<bool> = match &self.solid.holes {

@@ -146,6 +146,7 @@ impl Patch {
         rise: i32,
         mut cross: impl FnMut([u32; 2], f64),
     ) -> Result<(), Tangled> {
+        // On the grid crossings are rounded, and may make new ones; few do.
         let mut budget = PATIENCE * (self.points.len() + PATIENCE);
         let mut waiting = std::mem::take(&mut self.waiting);
         waiting.clear();
@@ -158,11 +159,13 @@ impl Patch {
             let mut detour = |[a, b]: [u32; 2], rise, over: u32| {
                 waiting.extend([Segment { ends: [a, over], rise }, Segment { ends: [over, b], rise }]);
             };
+            // Points in the way come first, then segments, then edges: what is cut into parts ends at points that are there.
             match self.obstacle(a, b) {
                 Obstacle::None(half, sense) => self.raise(half, sense * rise),
                 Obstacle::Point(point) => detour([a, b], rise, point),
                 Obstacle::Segment(half) => {
                     let (other, other_rise) = (self.ends(half), self.rise[half as usize]);
+                    // The other segment is taken up and laid again in two parts through the crossing.
                     self.raise(half, -other_rise);
                     let (at, share) = self.crossing([a, b], other);
                     let before = self.points.len();
@@ -268,12 +271,14 @@ impl Patch {
             at += 1;
             let (half, _) = self.edge(p, q).ok_or(Tangled)?;
             let (c, d) = self.apexes(half);
+            // The four corners are not convex: flips elsewhere will change that.
             if self.orient(c, d, p) * self.orient(c, d, q) >= 0 {
                 crossed.push([p, q]);
                 continue;
             }
             self.flip(half);
             let ends_there = [c, d].iter().any(|end| *end == a || *end == b);
+            // The new edge may cross the segment as well.
             if !ends_there && self.orient(a, b, c) * self.orient(a, b, d) < 0 {
                 crossed.push([c, d]);
             }
@@ -412,6 +417,7 @@ impl Patch {
         let [a, b, c] = [half, half + 1, half + 2].map(|h| self.from[h as usize]);
         let outer = [half, half + 1, half + 2].map(|h| self.outer(h));
         let n = self.from.len() as u32;
+        // The first piece keeps the triangle's number, so that half-edges that point to it hold.
         self.put(t, [a, b, p], [outer[0], (n + 2, 0), (n + 4, 0)]);
         self.put(n / 3, [b, c, p], [outer[1], (n + 5, 0), (half + 1, 0)]);
         self.put(n / 3 + 1, [c, a, p], [outer[2], (half + 2, 0), (n + 1, 0)]);
@@ -435,6 +441,7 @@ impl Patch {
         self.put(t, [a, p, c], [(first, rise), (n + 2, 0), ca]);
         self.put(n / 3, [p, b, c], [(second, rise), bc, (3 * t + 1, 0)]);
         if let Some((other, d, ad, db)) = right {
+            // Seen from the other side the number falls by what it rises here.
             self.put(other, [p, a, d], [(3 * t, -rise), ad, (n + 4, 0)]);
             self.put(n / 3 + 1, [b, p, d], [(n, -rise), (3 * other + 2, 0), db]);
         }

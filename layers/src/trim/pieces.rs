@@ -5,7 +5,7 @@
 //! pieces follow from one of each connected part of the sheet, by the rises of the edges between them.
 
 use super::crossing::{End, meet, pierce};
-use super::error::{AccessibilityTracker, TrimError};
+use super::error::{TrimError, Watch};
 use super::patch::{NEAR, NONE, Patch, SIDE};
 use super::sheet::Sheet;
 use super::solid::Solid;
@@ -57,13 +57,15 @@ struct Cuts {
 }
 
 impl Pieces {
-    pub(super) fn cut(sheet: &Sheet, solid: &Solid, watch: AccessibilityTracker) -> Result<Pieces, TrimError> {
+    pub(super) fn cut(sheet: &Sheet, solid: &Solid, watch: Watch) -> Result<Pieces, TrimError> {
         let segments = segments(sheet, solid);
         let mut pieces = Pieces { points: sheet.points.to_vec(), ..Pieces::default() };
         let cuts = Cuts::new(sheet, solid, &segments, &mut pieces.points);
         for (edge, cuts) in (0..).zip(cuts.first.windows(2)) {
             pieces.cut_edges.extend((cuts[0]..cuts[1]).map(|_| edge));
         }
+        // The two half-edges on each part of each edge of the sheet, to join the pieces of neighbours: an edge with `n` cuts has `n + 1`
+        // parts.
         let mut halves = vec![[NONE; 2]; sheet.edges.ends.len() + cuts.along.len()];
         let mut cutter = Cutter::default();
         let mut groups = segments.chunk_by(|a, b| a.sheet == b.sheet).peekable();
@@ -109,6 +111,7 @@ impl Pieces {
         for &[a, b] in halves.iter().filter(|halves| halves[1] != NONE) {
             let [(p, i), (q, j)] = [a, b].map(|half| (half as usize / 3, half as usize % 3));
             (self.across[p][i], self.across[q][j]) = (b, a);
+            // Each side has what it found to its left; across the edge both add up, with opposite signs.
             let rise = self.rise[p][i] - self.rise[q][j];
             (self.rise[p][i], self.rise[q][j]) = (rise, -rise);
         }
@@ -136,6 +139,7 @@ impl Pieces {
                     }
                 }
             }
+            // Numbers so far are relative to the first piece of the part. One exact count shifts them all.
             let known = part.iter().find(|&&piece| self.known[piece] != NONE);
             let shift = match known {
                 Some(&piece) => solid.winding(&self.points[self.known[piece] as usize]) - numbers[piece],
@@ -196,6 +200,8 @@ impl Cuts {
                 }
             }
         }
+        // Both triangles at an edge, and both that share an edge of the mesh, name the same passage: it is computed once, so that its
+        // point is one.
         keys.sort_unstable();
         keys.dedup();
         let passage = |(edge, mesh): (u32, u32)| {
@@ -210,6 +216,7 @@ impl Cuts {
             let before = cuts.along.len();
             let (mut last, mut count) = (0, 0);
             for passage in same.iter_mut() {
+                // Passages nearer to each other, or to an end, than `NEAR` are one place: an edge of less length would be rounding alone.
                 if passage.along - last > NEAR && SIDE - passage.along > NEAR {
                     (last, count) = (passage.along, count + 1);
                     cuts.along.push(passage.along);
@@ -222,6 +229,7 @@ impl Cuts {
             }
             cuts.first[same[0].edge as usize + 1] = (cuts.along.len() - before) as u32;
         }
+        // Counts become starts.
         let mut sum = 0;
         for first in &mut cuts.first {
             sum += *first;

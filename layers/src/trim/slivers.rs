@@ -6,7 +6,7 @@
 //!   other across it, the diagonal is short and contracted.
 //! * Else, on the boundary, the triangle is dropped, and the boundary runs along its other sides.
 //!
-//! Nothing is done that would leave a surface that is no manifold, turn a triangle over, or move the boundary off the
+//! Nothing is done that would leave a surface that is not a manifold, turn a triangle over, or move the boundary off the
 //! mesh: new boundary vertices and midpoints are held against the mesh. So some slivers stay, and are counted: where
 //! the solid itself is that thin, for one. Those without any height are cut out in the end ([`FLAT`]): no direction and no distance can be
 //! measured on them. The surface then ends on both sides of a slit without width.

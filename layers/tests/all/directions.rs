@@ -1,10 +1,10 @@
 //! Layers that follow directions: those given at places, and those that the overhang of the skin asks for.
 
-use crate::common::{BOX, go};
+use crate::common::{BOX, go, tip_1_mm};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
-    DirectedOptions, DirectionAt, DirectionsError, DistanceOrder, GrowthError, Guides, NozzleRule, Platform, Rules,
-    Workpiece, grow_directed,
+    DirectedOptions, DirectionAt, DirectionsError, DistanceOrder, GrowthError, Guides, Platform, Rules, Workpiece,
+    grow_directed,
 };
 use curvlay_layers::nalgebra::{Point3, Vector3};
 
@@ -57,7 +57,7 @@ impl Bar {
     }
 
     fn grown(&self, given: &[Vector3<f64>], max_tilt: Option<f64>) -> Result<DistanceOrder, GrowthError> {
-        let (nozzle, options) = (NozzleRule::default(), DirectedOptions { max_tilt });
+        let (nozzle, options) = (tip_1_mm(), DirectedOptions { max_tilt });
         grow_directed(&self.cells(), 1.0, &self.platform, &Rules::default(), None, &nozzle, Some(given), &options, &go)
     }
 }

@@ -1,6 +1,6 @@
 //! Orders by distance: the field against closed forms and slow distances, reach by the audit, pits that close.
 
-use crate::common::{BOX, Part, go, parts};
+use crate::common::{BOX, Part, go, parts, tip_1_mm};
 use curvlay_layers::Progress;
 use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::{FieldError, LayerField, UniformMethod};
@@ -167,7 +167,7 @@ fn the_front_turns_around_an_edge() {
 /// Where the shell closes the fronts meet in a pit; delays open it to the nozzle, and the field does not tear.
 #[test]
 fn a_dome_closes_from_its_inside_out() {
-    let (dome, nozzle) = (dome(), NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() });
+    let (dome, nozzle) = (dome(), NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..tip_1_mm() });
     let made = grown(&dome, &nozzle);
     assert_eq!(faults(&dome, &nozzle, &made), None);
     assert!(made.rounds > 0);
@@ -186,7 +186,7 @@ fn a_dome_closes_from_its_inside_out() {
 #[test]
 fn an_arch_closes_as_a_valley() {
     let arch = part([24, 5, 26], |[x, _, z]| !(4..20).contains(&x) || z >= 16);
-    let nozzle = NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() };
+    let nozzle = NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..tip_1_mm() };
     // How far its layers lean is an option.
     let leaning = |tilt: f64| {
         let (cells, rules, options) = (arch.cells(), Rules::default(), DirectedOptions { max_tilt: Some(tilt) });
@@ -282,7 +282,7 @@ fn the_order_begins_where_the_first_layer_touches_the_plate() {
 #[cfg(feature = "rayon")]
 #[test]
 fn any_number_of_threads_gives_the_same_order() {
-    let (dome, nozzle) = (dome(), NozzleRule::default());
+    let (dome, nozzle) = (dome(), tip_1_mm());
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let made = pool.install(|| grown(&dome, &nozzle));
@@ -350,7 +350,7 @@ fn a_part_is_complete_by_distance() {
 #[test]
 fn bad_input_is_refused() {
     let tower = part([2, 2, 3], |_| true);
-    let (cells, rules, nozzle) = (tower.cells(), Rules::default(), NozzleRule::default());
+    let (cells, rules, nozzle) = (tower.cells(), Rules::default(), tip_1_mm());
     let grow = |cell_mm: f64, rules: &Rules, nozzle: &NozzleRule| {
         grow_by_distance(&cells, cell_mm, &tower.platform, rules, None, nozzle, &go).unwrap_err()
     };

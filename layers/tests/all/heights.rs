@@ -1,6 +1,6 @@
 //! Layers parallel to a surface: heights by closed forms, and the layers of a block.
 
-use crate::common::go;
+use crate::common::{go, tip_1_mm};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{
     CellMesh, GrowthError, Guides, HeightsError, LayerOptions, LayersBy, NozzleRule, Platform, Rules, SupportOptions,
@@ -111,7 +111,7 @@ fn layers_are_parallel_to_a_plane() {
     let part = block.workpiece(Some(&heights));
     let options = LayerOptions {
         layers_by: LayersBy::Distance,
-        rule: NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..NozzleRule::default() },
+        rule: NozzleRule { cone_height_mm: 8.0, block_mm: 20.0, ..tip_1_mm() },
         height_mm: Some(0.5),
         ..LayerOptions::default()
     };
@@ -174,7 +174,7 @@ fn errors_name_the_cause() {
     assert_eq!(part.heights_over(vertices, triangles).unwrap_err(), HeightsError::NoUpperSide);
     assert!(matches!(part.heights_over(&[], &[]).unwrap_err(), HeightsError::Surface(_)));
     let grow = |heights: &[f64]| {
-        let (cells, platform, rules, nozzle) = (part.cells, &block.platform, part.rules, NozzleRule::default());
+        let (cells, platform, rules, nozzle) = (part.cells, &block.platform, part.rules, tip_1_mm());
         grow_by_heights(&cells, 1.0, platform, &rules, None, &nozzle, heights, &go)
     };
     for heights in [vec![1.0; 959], vec![f64::NAN; 960]] {

@@ -1,6 +1,6 @@
 //! Growth that starts on a mould: beside a literal twin, by all strategies, under the audit; and what is refused.
 
-use crate::common::{Part, are_neighbours, centre, go, random_rows};
+use crate::common::{Part, are_neighbours, centre, go, random_rows, tip_1_mm};
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::uniform_field;
@@ -137,10 +137,10 @@ proptest! {
             let uniform = uniform_field(&cells, platform, &rules, &growth.order, &missed, &go).unwrap();
             prop_assert!(uniform.audit.is_ok());
             let judge = |growth: &Growth| {
-                let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 2.0, steps: 1, cells: &growth.nozzle };
+                let judged = JudgedByNozzle { rule: tip_1_mm(), cell_mm: 2.0, steps: 1, cells: &growth.nozzle };
                 audit_with_nozzle(&cells, platform, &rules, &judged, &growth.order, &growth.missed_cells(), &go).unwrap()
             };
-            let further = grow_with_nozzle(&cells, 2.0, platform, &rules, &NozzleRule::default(), growth, &go).unwrap();
+            let further = grow_with_nozzle(&cells, 2.0, platform, &rules, &tip_1_mm(), growth, &go).unwrap();
             let report = judge(&further);
             prop_assert!(report.is_ok(), "{strategy} with the nozzle: {report}");
         }
@@ -277,7 +277,7 @@ fn a_trough_is_filled_by_the_nozzle_alone() {
     });
     let (cells, platform, rules) = (job.part.cells(), &job.part.platform, Rules::default());
     assert_eq!(Grown::Incremental.grow(&cells, platform, &rules, &go), Err(GrowthError::NothingOnPlatform));
-    let nozzle = NozzleRule { block_mm: 6.0, cone_height_mm: 8.0, half_angle: 0.3, ..NozzleRule::default() };
+    let nozzle = NozzleRule { block_mm: 6.0, cone_height_mm: 8.0, half_angle: 0.3, ..tip_1_mm() };
     let growth = grow_with_nozzle(&cells, 1.0, platform, &rules, &nozzle, Growth::default(), &go).unwrap();
     assert!(growth.missed.is_empty(), "{} missed", growth.missed.len());
     let judged = JudgedByNozzle { rule: nozzle, cell_mm: 1.0, steps: 1, cells: &growth.nozzle };

@@ -1,6 +1,6 @@
 //! Growth with the nozzle that prints: what it reaches, held against geometry by sampling, and what is refused.
 
-use crate::common::{Part, are_neighbours, go, hull_of, parts, rules};
+use crate::common::{Part, are_neighbours, go, hull_of, parts, rules, tip_1_mm};
 use curvlay_layers::Progress;
 use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::surface::uniform_field_with_nozzle;
@@ -243,7 +243,7 @@ fn directions_are_unit_vectors_within_the_tilt_upright_first() {
 
 #[test]
 fn what_cannot_be_is_refused() {
-    let nozzle = NozzleRule::default();
+    let nozzle = tip_1_mm();
     let bad = [
         (NozzleRule { tip_flat_mm: 0.0, ..nozzle }, NozzleRuleError::Measure { measure: "tip flat", value: 0.0 }),
         (NozzleRule { cone_height_mm: 1e9, ..nozzle }, NozzleRuleError::Measure { measure: "cone", value: 1e9 }),

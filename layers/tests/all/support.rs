@@ -1,6 +1,6 @@
 //! Support: what it carries, that it stays out of the part, and parts that are complete with it.
 
-use crate::common::{Part, are_neighbours, go, parts};
+use crate::common::{Part, are_neighbours, go, parts, tip_1_mm};
 use curvlay_layers::Progress;
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{UniformMethod, uniform_field};
@@ -207,7 +207,12 @@ fn the_skin_of_cells_is_closed() {
 /// A part whose cells, a millimetre wide, are its mesh.
 /// Incremental orders, layers of 1 mm, all else by default.
 fn incremental() -> LayerOptions {
-    LayerOptions { strategy: Some(Strategy::Incremental), height_mm: Some(1.0), ..LayerOptions::default() }
+    LayerOptions {
+        strategy: Some(Strategy::Incremental),
+        height_mm: Some(1.0),
+        rule: tip_1_mm(),
+        ..LayerOptions::default()
+    }
 }
 
 fn workpiece<'a>(part: &'a Part, mesh: &'a CellMesh) -> Workpiece<'a> {
@@ -268,7 +273,7 @@ fn a_part_is_complete_in_one_call() {
     assert!(top(support) > 6.0 && top(&short) < 5.0 + 1e-9, "{} {}", top(support), top(&short));
 
     // With the nozzle alone: no support, and cells that are printed from the side.
-    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
+    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..tip_1_mm() };
     let nozzle_only = LayerOptions { rule, support: None, ..incremental() };
     let complete = workpiece.layers(&nozzle_only, &go).unwrap();
     assert!(complete.support.is_none() && complete.growth.nozzle.len() > 400);
@@ -341,7 +346,7 @@ fn support_that_does_not_help_says_so() {
 #[test]
 fn coherent_layers_are_those_of_part_and_support() {
     let (ball, mut taken) = (hanging_ball(), Vec::new());
-    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
+    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..tip_1_mm() };
     let support_only = LayerOptions { nozzle: NozzleUse::Off, ..incremental() };
     let neither = LayerOptions { support: None, ..support_only };
     let by_nozzle = LayerOptions { rule, support: None, ..incremental() };
@@ -383,7 +388,7 @@ fn from_the_start_on_both_rules_count() {
     let part = hanging_ball();
     let mesh = mesh_of(&part);
     let workpiece = workpiece(&part, &mesh);
-    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..NozzleRule::default() };
+    let rule = NozzleRule { cone_height_mm: 3.0, block_mm: 8.0, ..tip_1_mm() };
     let options = LayerOptions { nozzle: NozzleUse::FromStart, rule, support: None, ..incremental() };
     let complete = workpiece.layers(&options, &go).unwrap();
     let growth = &complete.growth;

@@ -16,7 +16,7 @@
 use super::{CamError, CamWritten, FEED, POSITIVE, check, goal, number};
 use crate::gcode::{FiberCommand, Mark, Move, Tool};
 use crate::path::BeadKind;
-use nalgebra::distance;
+use nalgebra::{Point3, UnitVector3, distance};
 use std::io::{BufWriter, Write};
 
 /// The first line of a file.
@@ -46,37 +46,80 @@ pub const CSV_HEADER: &str = "kind,x_mm,y_mm,z_mm,i,j,k,filament_mm,feed_mm_s,se
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_csv(moves: impl IntoIterator<Item = impl Into<Move>>, out: impl Write) -> Result<CamWritten, CamError> {
-    let mut out = BufWriter::new(out);
-    writeln!(out, "{CSV_HEADER}")?;
-    let (mut written, mut at, mut layer, mut bead) = (CamWritten { moves: 0, lines: 1 }, None, String::new(), None);
+    let mut csv = Csv { out: BufWriter::new(out), lines: 0, at: None, layer: String::new(), bead: None };
+    csv.header()?;
+    let mut count = 0;
     for (index, step) in (0..).zip(moves) {
-        let step = step.into();
-        written.moves = index + 1;
-        let mut line = |kind: &str, place: &str, rest: &str| -> Result<(), CamError> {
-            written.lines += 1;
-            Ok(writeln!(out, "{kind},{place},{rest}")?)
-        };
-        if let Some((tip, direction, feed)) = goal(&step) {
-            check(index, &tip, &direction, feed)?;
-            let seconds = at.map_or(0.0, |at| distance(&at, &tip)) / feed;
-            let d = direction;
-            let place = format!("{},{},{},{},{},{}", tip.x, tip.y, tip.z, d.x, d.y, d.z);
-            match (step, bead) {
-                (Move::Print { filament_mm, .. }, bead) => {
-                    let filament = number(index, "filament_mm", filament_mm, POSITIVE)?;
-                    let bead = bead.map_or_else(
-                        || ",,".to_owned(),
-                        |(kind, width, height): (BeadKind, f64, f64)| format!("{},{width},{height}", name(kind)),
-                    );
-                    line("print", &place, &format!("{filament},{feed},{seconds},{layer},{bead}"))?;
-                }
-                (Move::Lay { .. }, _) => line("lay", &place, &format!(",{feed},{seconds},{layer},,,"))?,
-                _ => line("travel", &place, &format!(",{feed},{seconds},{layer},,,"))?,
+        count = index + 1;
+        csv.add(index, step.into())?;
+    }
+    if count == 0 {
+        return Err(CamError::Empty);
+    }
+    csv.out.flush()?;
+    Ok(CamWritten { moves: count, lines: csv.lines })
+}
+
+/// Place and direction of a line whose move has none.
+const NOWHERE: &str = ",,,,,";
+
+/// A file that is being written, and what its next lines take from the moves before them.
+struct Csv<W: Write> {
+    out: BufWriter<W>,
+    lines: u64,
+    /// Where the tip is; `None` at the start and after homing, when the file does not know it.
+    at: Option<Point3<f64>>,
+    /// As it is written: empty before the first mark of a layer.
+    layer: String,
+    /// What the last mark of a bead says: kind, width, height.
+    bead: Option<(BeadKind, f64, f64)>,
+}
+
+impl<W: Write> Csv<W> {
+    fn header(&mut self) -> Result<(), CamError> {
+        self.lines += 1;
+        Ok(writeln!(self.out, "{CSV_HEADER}")?)
+    }
+
+    fn line(&mut self, kind: &str, place: &str, rest: &str) -> Result<(), CamError> {
+        self.lines += 1;
+        Ok(writeln!(self.out, "{kind},{place},{rest}")?)
+    }
+
+    /// A move that leads somewhere.
+    fn go(
+        &mut self,
+        index: u64,
+        step: Move,
+        (tip, d, feed): (Point3<f64>, UnitVector3<f64>, f64),
+    ) -> Result<(), CamError> {
+        check(index, &tip, &d, feed)?;
+        let seconds = self.at.map_or(0.0, |at| distance(&at, &tip)) / feed;
+        let place = format!("{},{},{},{},{},{}", tip.x, tip.y, tip.z, d.x, d.y, d.z);
+        let layer = &self.layer;
+        let (kind, rest) = match step {
+            Move::Print { filament_mm, .. } => {
+                let filament = number(index, "filament_mm", filament_mm, POSITIVE)?;
+                let bead = self.bead.map_or_else(
+                    || ",,".to_owned(),
+                    |(kind, width, height)| format!("{},{width},{height}", name(kind)),
+                );
+                ("print", format!("{filament},{feed},{seconds},{layer},{bead}"))
             }
-            at = Some(tip);
-            continue;
+            Move::Lay { .. } => ("lay", format!(",{feed},{seconds},{layer},,,")),
+            _ => ("travel", format!(",{feed},{seconds},{layer},,,")),
+        };
+        self.line(kind, &place, &rest)?;
+        self.at = Some(tip);
+        Ok(())
+    }
+
+    /// Adds the line of a move. Marks have no lines: they hold for those that follow.
+    fn add(&mut self, index: u64, step: Move) -> Result<(), CamError> {
+        if let Some(goal) = goal(&step) {
+            return self.go(index, step, goal);
         }
-        const NOWHERE: &str = ",,,,,";
+        let layer = &self.layer;
         match step {
             Move::Retract { filament_mm, feed_mm_s } | Move::Prime { filament_mm, feed_mm_s } => {
                 let filament = number(index, "filament_mm", filament_mm, POSITIVE)?;
@@ -84,43 +127,57 @@ pub fn write_csv(moves: impl IntoIterator<Item = impl Into<Move>>, out: impl Wri
                 let is_back = matches!(step, Move::Retract { .. });
                 // Zero has no sign.
                 let (kind, signed) = if is_back { ("retract", 0.0 - filament) } else { ("prime", filament) };
-                line(kind, NOWHERE, &format!("{signed},{feed},{seconds},{layer},,,"))?;
+                self.line(kind, NOWHERE, &format!("{signed},{feed},{seconds},{layer},,,"))
             }
             Move::Dwell { seconds } => {
                 let seconds = number(index, "seconds", seconds, POSITIVE)?;
-                line("dwell", NOWHERE, &format!(",,{seconds},{layer},,,"))?;
+                self.line("dwell", NOWHERE, &format!(",,{seconds},{layer},,,"))
             }
             Move::Home => {
-                line("home", NOWHERE, &format!(",,,{layer},,,"))?;
-                at = None;
+                self.at = None;
+                self.line("home", NOWHERE, &format!(",,,{layer},,,"))
             }
-            Move::Fiber(FiberCommand::Tool(tool)) => {
+            Move::Fiber(command) => self.tape(index, command),
+            Move::Mark(mark) => self.mark(index, mark),
+            _ => Ok(()),
+        }
+    }
+
+    /// A command to what lays tapes; press and heat have no line.
+    fn tape(&mut self, index: u64, command: FiberCommand) -> Result<(), CamError> {
+        let layer = &self.layer;
+        match command {
+            FiberCommand::Tool(tool) => {
                 let kind = match tool {
                     Tool::Nozzle => "nozzle",
                     Tool::Roller => "roller",
                     Tool::Conductor => "conductor",
                 };
-                line(kind, NOWHERE, &format!(",,,{layer},,,"))?;
+                self.line(kind, NOWHERE, &format!(",,,{layer},,,"))
             }
-            Move::Fiber(FiberCommand::Feed { length_mm }) => {
+            FiberCommand::Feed { length_mm } => {
                 let length = number(index, "length_mm", length_mm, POSITIVE)?;
-                line("feed", NOWHERE, &format!("{length},,,{layer},,,"))?;
+                self.line("feed", NOWHERE, &format!("{length},,,{layer},,,"))
             }
-            Move::Fiber(FiberCommand::Cut) => line("cut", NOWHERE, &format!(",,,{layer},,,"))?,
-            Move::Mark(Mark::Layer { number, .. }) => layer = (u64::from(number) + 1).to_string(),
-            Move::Mark(Mark::Bead { kind, width_mm, height_mm }) => {
-                let size = [("width_mm", width_mm), ("height_mm", height_mm)];
-                size.into_iter().try_for_each(|(what, value)| number(index, what, value, POSITIVE).map(|_| ()))?;
-                bead = Some((kind, width_mm, height_mm));
-            }
-            _ => {}
+            FiberCommand::Cut => self.line("cut", NOWHERE, &format!(",,,{layer},,,")),
+            _ => Ok(()),
         }
     }
-    if written.moves == 0 {
-        return Err(CamError::Empty);
+
+    /// What is said of the moves that follow.
+    fn mark(&mut self, index: u64, mark: Mark) -> Result<(), CamError> {
+        match mark {
+            Mark::Layer { number, .. } => self.layer = (u64::from(number) + 1).to_string(),
+            Mark::Bead { kind, width_mm, height_mm } => {
+                // Checked here, not where they are written: the error then names the mark.
+                for (what, value) in [("width_mm", width_mm), ("height_mm", height_mm)] {
+                    number(index, what, value, POSITIVE)?;
+                }
+                self.bead = Some((kind, width_mm, height_mm));
+            }
+        }
+        Ok(())
     }
-    out.flush()?;
-    Ok(written)
 }
 
 fn name(kind: BeadKind) -> &'static str {

@@ -95,6 +95,7 @@ impl Tree<'_> {
             let ring = &self.sets.rings[last as usize];
             let number = if rises { ring.above } else { ring.below };
             let [below, above] = &self.bands[number as usize];
+            // One ring below the band and one above: they nest. Any other band is where chains meet.
             let ([below], [above]) = (&below[..], &above[..]) else { break number };
             let next = if rises { *above } else { *below };
             if self.of_ring[next as usize].is_some() {
@@ -132,6 +133,7 @@ impl Tree<'_> {
         let known = |tree: &Self, ring: u32| tree.of_ring[ring as usize].is_some();
         let mut apart = BTreeMap::new();
         loop {
+            // One of the two is in the tree: the other is joined to it, and may then join others of this band.
             let fits = |&&(upper, lower, _): &&(u32, u32, usize)| known(self, upper) != known(self, lower);
             if let Some(&(upper, lower, _)) = pairs.iter().find(fits) {
                 let rises = known(self, lower);
@@ -150,6 +152,7 @@ impl Tree<'_> {
                 open.push(self.add(door, rises, parents, region));
                 continue;
             }
+            // What is left has no ring of the tree above or below it; it may face one across the ridge in this band.
             let waiting = below.iter().filter(|&&r| !known(self, r));
             let Some((door, parents)) =
                 waiting.map(|&r| (r, self.facing(r, &below, &mut apart))).find(|(_, all)| !all.is_empty())

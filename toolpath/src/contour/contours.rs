@@ -101,6 +101,7 @@ impl LevelField<'_> {
         };
         check(options)?;
         let PathOptions { bead, min_gap: gap, join_distance, min_length, min_width, .. } = *options;
+        // Rows keep one distance from each other whatever is beside them: there is no way across that they could share.
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
         let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted, walls.map(|walls| walls as usize));
         let inside: Vec<f64> = walls.map(|walls| spacing.inside(walls as usize)).unwrap_or_default();
@@ -111,55 +112,36 @@ impl LevelField<'_> {
         step()?;
         let nested = NestedRings::new(&sets, bead)?;
         let mesh = self.distance().mesh();
-        let mut curves = match options.pattern {
-            Pattern::Spirals => nested.spirals(mesh, &spacing, &watch)?,
-            Pattern::Rings => nested.rings(),
-            Pattern::Zigzag => nested.rows(self)?,
-        };
-        curves.sort_by_key(|curve| curve.region);
+        let mut curves = nested.curves(self, &spacing, options.pattern, &watch)?;
         step()?;
         thinned(mesh, &mut curves, bead, &watch)?;
         step()?;
-        let mut widths: Vec<Vec<f64>> = match fitted {
+        // Widths follow from what is left beside a curve, so its points must not move any more.
+        let widths: Vec<Vec<f64>> = match fitted {
             true => widths::fitted(mesh, &spacing, &curves, bead, &watch)?,
             false => even_widths(&curves, bead),
         };
         step()?;
-        // Single beads keep off the curves that are there. Rows keep off the boundary: what a ring along it would cover is theirs.
+        let mut lines = Lines { curves, widths };
         let wanted = narrow::Wanted::usual(&spacing, [bead, gap]);
-        let singles = match options.pattern {
-            Pattern::Zigzag => {
-                let rims = nested.rims();
-                narrow::single_beads(self, &wanted, &rims, &even_widths(&rims, bead), &inside, &watch)?
-            }
-            _ => narrow::single_beads(self, &wanted, &curves, &widths, &inside, &watch)?,
-        };
+        let singles = nested.singles(self, &wanted, options.pattern, &lines, &inside, &watch)?;
         step()?;
-        let mut found = LayerPaths { regions: nested.regions, ..LayerPaths::default() };
-        for (points, width) in singles {
-            curves.push(Curve { points, closed: false, region: found.regions as u32, least: 0.0 });
-            widths.push(width);
-            found.regions += 1;
-        }
-        let path = |(Curve { points, closed, region, .. }, widths): (Curve, Vec<f64>)| SurfacePath {
-            points: self.path_points(points, widths, bead, walls.is_some()),
-            closed,
-            region,
-        };
-        let paths;
-        let apart = curves.into_iter().zip(widths).map(path).collect();
-        (paths, found.joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
-        // Strips too narrow for any bead get one in case something lies on them: they are regions after all others.
+        let regions = lines.add(singles, nested.regions);
+        let points = |at, widths| self.path_points(at, widths, bead, walls.is_some());
+        let apart = lines.paths(points);
+        let (paths, joints) = join::joined(self, &spacing, [bead, join_distance * bead], apart, &watch)?;
+        // Strips too narrow for any bead get one in case something lies on them: they are regions after all others. They are found last, beside
+        // all that the joined paths cover, and are not joined: whether they are laid is decided later.
         let strips = narrow::strip_beads(self, &spacing, [bead, gap, min_width], &paths, &inside, &watch)?;
-        let strip = |(k, (at, widths)): (u32, narrow::Single)| SurfacePath {
-            points: self.path_points(at, widths, bead, walls.is_some()),
-            closed: false,
-            region: found.regions as u32 + k,
-        };
-        found.narrow = (0..).zip(strips).map(strip).collect();
-        (found.paths, found.short) = short::without_short(mesh, paths, min_length * bead);
-        found.unfilled = self.unfilled(&found.paths);
-        Ok(Contours { paths: found, inside })
+        let strip =
+            |(k, (at, widths))| SurfacePath { points: points(at, widths), closed: false, region: regions as u32 + k };
+        let narrow = (0..).zip(strips).map(strip).collect();
+        let (paths, short) = short::without_short(mesh, paths, min_length * bead);
+        let unfilled = self.unfilled(&paths);
+        Ok(Contours {
+            paths: LayerPaths { paths, regions, joints, narrow, short, unfilled, ..LayerPaths::default() },
+            inside,
+        })
     }
 
     /// Points of a path with their widths. Where a layer is not filled solid all contours are walls.
@@ -245,6 +227,34 @@ fn even_widths(curves: &[Curve], bead: f64) -> Vec<Vec<f64>> {
     curves.iter().map(|curve| vec![bead; curve.points.len()]).collect()
 }
 
+/// The curves of a layer on their way to paths, each with its widths.
+struct Lines {
+    curves: Vec<Curve>,
+    widths: Vec<Vec<f64>>,
+}
+
+impl Lines {
+    /// Adds single beads: each is a region of its own, after those that are there. Gives the number of regions.
+    fn add(&mut self, singles: Vec<narrow::Single>, mut regions: usize) -> usize {
+        for (points, width) in singles {
+            self.curves.push(Curve { points, closed: false, region: regions as u32, least: 0.0 });
+            self.widths.push(width);
+            regions += 1;
+        }
+        regions
+    }
+
+    /// A path for each curve, in their order.
+    fn paths(self, points: impl Fn(Vec<SurfacePoint>, Vec<f64>) -> Vec<PathPoint>) -> Vec<SurfacePath> {
+        let path = |(curve, widths): (Curve, Vec<f64>)| SurfacePath {
+            points: points(curve.points, widths),
+            closed: curve.closed,
+            region: curve.region,
+        };
+        self.curves.into_iter().zip(self.widths).map(path).collect()
+    }
+}
+
 /// The rings of all levels, as loops by arc length and as chains of one inside the other.
 struct NestedRings<'a> {
     sets: &'a LevelSets,
@@ -268,6 +278,42 @@ impl<'a> NestedRings<'a> {
         let chains = chains::chains(sets, &loops, bead);
         let regions = chains.iter().map(|chain| chain.region as usize + 1).max().unwrap_or(0);
         Ok(NestedRings { sets, loops, chains, regions, bead })
+    }
+
+    /// The curves of a pattern, region by region.
+    fn curves(
+        &self,
+        field: &LevelField,
+        spacing: &Spacing,
+        pattern: Pattern,
+        watch: Watch,
+    ) -> Result<Vec<Curve>, PathError> {
+        let mut curves = match pattern {
+            Pattern::Spirals => self.spirals(field.distance().mesh(), spacing, watch)?,
+            Pattern::Rings => self.rings(),
+            Pattern::Zigzag => self.rows(field)?,
+        };
+        // Stable: within a region curves keep the order in which they are laid.
+        curves.sort_by_key(|curve| curve.region);
+        Ok(curves)
+    }
+
+    /// Single beads where curves leave room for one. They keep off the curves that are there; with rows they keep off the outermost rings
+    /// instead: what a ring along the boundary would cover belongs to the rows.
+    fn singles(
+        &self,
+        field: &LevelField,
+        wanted: &narrow::Wanted,
+        pattern: Pattern,
+        lines: &Lines,
+        inside: &[f64],
+        watch: Watch,
+    ) -> Result<Vec<narrow::Single>, PathError> {
+        if pattern == Pattern::Zigzag {
+            let rims = self.rims();
+            return narrow::single_beads(field, wanted, &rims, &even_widths(&rims, self.bead), inside, watch);
+        }
+        narrow::single_beads(field, wanted, &lines.curves, &lines.widths, inside, watch)
     }
 
     /// Rings of chains, each with its region.

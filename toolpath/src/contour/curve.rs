@@ -104,6 +104,7 @@ impl Loop {
         let first = (0..self.balls.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
         for block in [first].into_iter().chain((0..self.balls.len()).filter(|&k| k != first)) {
             let least = apart(block).max(0.0);
+            // No point of the ball is nearer than the best so far.
             if least * least >= best.1 {
                 continue;
             }
@@ -124,6 +125,7 @@ impl Loop {
     pub fn forward(&self, mesh: &SurfaceMesh, from: f64, to: f64) -> Vec<SurfacePoint> {
         let (start, length) = (self.wrapped(from), self.wrapped(to - from));
         let mut points = vec![self.at(mesh, start)];
+        // The first point behind the start; from there on at most one round.
         let first = self.starts[..self.points.len()].partition_point(|&s| s <= start);
         for step in 0..self.points.len() {
             let k = (first + step) % self.points.len();

@@ -49,6 +49,7 @@ impl Cut {
             vertices.dedup();
             let height = |v: u32| mesh.vertices()[v as usize].coords.dot(&normal);
             let gaps = gaps(vertices.iter().map(|&v| height(v)).collect(), centre);
+            // A cut next to a vertex would leave slivers, whose distances are lost in rounding.
             let is_sound = |offset: &&f64| triangles.iter().all(|&t| is_cut_well(mesh, t, |v| height(v) - **offset));
             // If none is, the mesh will say which triangle is in the way.
             let offset = gaps.iter().find(is_sound).or(gaps.first());
@@ -134,6 +135,7 @@ fn cut(mesh: &SurfaceMesh, heights: &[f64]) -> Cut {
         above: Vec::new(),
         line: Vec::new(),
     };
+    // One vertex for both triangles at an edge, so that the cut mesh is a manifold again.
     let mut on_edge = vec![NONE; mesh.half_edges() as usize];
     for (triangle, corners) in (0..).zip(mesh.triangles()) {
         let Some(h) = alone(mesh, triangle, above) else {

@@ -70,6 +70,7 @@ pub(super) fn joined(
     let mut parents: Vec<u32> = (0..paths.len() as u32).collect();
     for [a, b] in pairs {
         let curves = [a, b].map(|end| root(&mut parents, curve_of(end) as u32));
+        // Each end once; and both ends of one curve, whatever it has been joined from, would close a ring.
         if joiner.joined[a as usize].is_some() || joiner.joined[b as usize].is_some() || curves[0] == curves[1] {
             continue;
         }
@@ -92,6 +93,7 @@ fn pairs(paths: &[SurfacePath], distance: f64) -> Vec<[End; 2]> {
         [0, 1].map(|k| ends[k as usize].map(|point| (point.at.position, 2 * number + k)))
     };
     let mut ends: Vec<(Point3<f64>, End)> = (0..).zip(paths).flat_map(ends_of).flatten().collect();
+    // A sweep along x: what is near in space is near along each axis.
     ends.sort_by(|(p, a), (q, b)| p.x.total_cmp(&q.x).then(a.cmp(b)));
     let mut found: Vec<(f64, [End; 2])> = Vec::new();
     for (k, &(p, a)) in ends.iter().enumerate() {
@@ -132,6 +134,7 @@ impl Joiner<'_, '_> {
             let width = from.width + (to.width - from.width) * share;
             way.push(PathPoint { at, width: width.min(self.spacing.single(room)), kind: from.kind });
         }
+        // A way over a notch, or on a sheet beside, ends somewhere else.
         let arrived = locate(self.mesh(), triangle, to.at.position);
         if (arrived.position - to.at.position).norm() > SAME * self.bead {
             return None;
@@ -177,7 +180,7 @@ impl Joiner<'_, '_> {
             })
     }
 
-    /// How far along its curve a segment is from an end, at most as far as matters.
+    /// How far along its curve a segment is from an end; beyond [`BESIDE_END`] it is not measured.
     fn along(&self, end: End, k: usize) -> f64 {
         let path = &self.paths[curve_of(end)];
         let (last, most) = (path.segments() - 1, BESIDE_END * self.bead);
@@ -203,6 +206,7 @@ impl Joiner<'_, '_> {
             }
             let path = &self.paths[number];
             let mut whole = SurfacePath { points: Vec::new(), closed: path.closed, region: path.region };
+            // From an end that nothing is joined to: there is one, since no curves become a ring.
             let mut at = self.outermost(2 * number as End);
             loop {
                 done[curve_of(at)] = true;
@@ -214,6 +218,7 @@ impl Joiner<'_, '_> {
                 let Some((next, way)) = self.joined[(at ^ 1) as usize] else { break };
                 let way = &self.ways[way];
                 let inner = &way[1..way.len() - 1];
+                // Ways run from the lower end to the higher one.
                 match at ^ 1 < next {
                     true => whole.points.extend(inner),
                     false => whole.points.extend(inner.iter().rev()),

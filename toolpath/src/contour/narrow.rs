@@ -7,7 +7,7 @@
 //! farthest again. Branches follow by themselves, from where the first bead covers them.
 //!
 //! Strips narrower than the narrowest bead otherwise laid ([`BEAD_WIDTHS`]) get beads as wide as they are, by the same search: but only
-//! as candidates. Which of them are laid is for one who knows the layers above ([`short`](crate::surface::short)).
+//! as candidates. Which of them are laid is for `fill`, which knows the layers above.
 
 use super::crossing::cross;
 use super::polyline::Curve;
@@ -136,6 +136,7 @@ pub(super) fn single_beads(
     let mut found: Vec<Vec<SurfacePoint>> = Vec::new();
     let mut singles = Vec::new();
     let mut waiting: Vec<u32> = (0..field.values.len() as u32).rev().collect();
+    // Each round closes what the new bead covers, so this ends; what of the part is then still open are its branches.
     while let Some(v) = waiting.pop() {
         if !open[v as usize] {
             continue;
@@ -151,6 +152,7 @@ pub(super) fn single_beads(
         }
         let (points, room) = graph.line(&way, MIN_LENGTH * bead);
         let Some(mesh_part) = points.first().map(part_of) else { continue };
+        // A part of the mesh without any curve gets a bead however little it covers: nothing else would be laid there.
         if has_curve[mesh_part] && graph.covered(&way) < gap * bead * bead {
             continue;
         }
@@ -241,6 +243,7 @@ impl Graph<'_, '_> {
     fn neighbours<'a>(&'a self, v: u32, open: impl Fn(u32) -> bool + 'a) -> impl Iterator<Item = u32> + 'a {
         let is_clear = move |&other: &u32| {
             let [p, q] = [v, other].map(|v| self.field.points[v as usize]);
+            // A long edge may cross a bead between its ends: it is looked at in steps too short for that.
             let steps = ((q - p).norm() / self.safe).floor() as usize;
             let room = |k: usize| self.beside.room(p + (q - p) * (k as f64 / (steps + 1) as f64), self.safe, 0.0);
             (1..=steps).all(|k| room(k) > 0.0)
@@ -303,6 +306,7 @@ impl Graph<'_, '_> {
             let end = part.iter().copied().max_by(|&a, &b| length(a).total_cmp(&length(b)).then(b.cmp(&a)));
             (end.unwrap_or(from), reached)
         };
+        // Twice the farthest: on a tree that is the longest way there is, and the medial axis nearly is one.
         let (one, _) = far(summit);
         let (other, reached) = far(one);
         let mut way = vec![other];

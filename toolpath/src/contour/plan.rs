@@ -53,6 +53,7 @@ impl Plan {
         self.of_ring[ring as usize].iter().all(|&c| {
             let cut = &self.cuts[c];
             let ahead = on.wrapped(cut.from - from);
+            // The cut begins behind the stretch, and ends before it comes round to its start.
             ahead > to - from && ahead + (cut.to - cut.from) < length
         })
     }
@@ -128,6 +129,7 @@ impl Plan {
                 }
             };
             let Some(bridge) = there.bridges[arrived as usize].map(|b| &self.bridges[b]) else { break };
+            // A bridge is walked from whichever end the curve comes to.
             let far = if bridge.ends[0] == Some((next, arrived)) {
                 points.extend(&bridge.points);
                 bridge.ends[1]

@@ -58,6 +58,7 @@ pub(crate) fn joined(mesh: &SurfaceMesh, rows: &[Row], rims: &[Rim], longest: f6
         if used[first] {
             continue;
         }
+        // Upwards from either end: the longer chain makes the longer curve.
         let [one, other] = [0, 1].map(|entry| chain(rows, &joins, &used, first, entry));
         used[first] = true;
         for (row, end, there) in if other.len() > one.len() { other } else { one } {
@@ -69,6 +70,7 @@ pub(crate) fn joined(mesh: &SurfaceMesh, rows: &[Row], rims: &[Rim], longest: f6
     for (row, ends) in joins.iter().enumerate() {
         left.extend(ends.iter().enumerate().flat_map(|(end, all)| all.iter().map(move |&there| (row, end, there))));
     }
+    // What is left over is joined shortest first, as long as no curve becomes a ring.
     left.sort_by(|a, b| a.2.length.total_cmp(&b.2.length).then((a.0, a.1).cmp(&(b.0, b.1))));
     for (row, end, there) in left {
         let free = links[row][end].is_none() && links[there.row][there.end].is_none();

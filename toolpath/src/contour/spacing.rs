@@ -95,6 +95,7 @@ impl<'f, 'd> Spacing<'f, 'd> {
         if fit {
             spacing.ridge = ridge(field, bead);
             let around = Around::new(field);
+            // The ridge before the numbers, which follow from it; each is lowered where it would change too fast for rings to follow.
             limit(field, &around, &mut spacing.ridge, STEEPEST);
             spacing.rings = numbers(field, &around, &spacing.ridge, bead);
             limit(field, &around, &mut spacing.rings, 1.0 / (BLEND * bead));
@@ -108,6 +109,7 @@ impl<'f, 'd> Spacing<'f, 'd> {
         let edge = |v: u32| match contours.checked_sub(1) {
             // Nothing is held back, and the boundary itself is inside.
             None => -self.bead,
+            // Even beads and fitted ones have their middles on levels; half a bead farther in is the inner edge.
             Some(last) if self.ridge.is_empty() => self.at(last, v) + 0.5 * self.bead,
             Some(last) => {
                 let [middle, width] = self.place(last, self.rings[v as usize], self.ridge[v as usize]);
@@ -268,6 +270,7 @@ fn limit(field: &LevelField, around: &Around, values: &mut [f64], slope: f64) {
         lower(values, &mut queue, one, other);
         lower(values, &mut queue, other, one);
     }
+    // By rising value, as Dijkstra's algorithm: what comes out is never lowered again, and entries that were lowered since are stale.
     while let Some((Reverse(bits), v)) = queue.pop() {
         if values[v as usize].to_bits() != bits {
             continue;
@@ -323,6 +326,7 @@ fn ridge(field: &LevelField, bead: f64) -> Vec<f64> {
     let mut order: Vec<u32> = (0..vertices as u32).filter(|&v| values[v as usize].is_finite()).collect();
     order.sort_by(|&a, &b| values[b as usize].total_cmp(&values[a as usize]).then(a.cmp(&b)));
     let mut ridge = vec![0.0; vertices];
+    // By falling distance: what lies uphill has its ridge already.
     for &v in &order {
         let (slope, to) = steepest[v as usize];
         let here = values[v as usize];

@@ -25,6 +25,7 @@ const CELL: f64 = 0.5;
 /// For each curve the points that are kept; the first and the last are.
 pub(super) fn thinned(mesh: &SurfaceMesh, curves: &mut [Curve], bead: f64, watch: Watch) -> Result<(), PathError> {
     curves.iter_mut().for_each(|curve| drop_near(&mut curve.points, SAME * bead, |_| true));
+    // The curves as they were before any chord: what all chords keep clear of.
     let segments = Segments::of(curves, CELL * bead);
     let kept = (0_u32..)
         .zip(curves.iter())
@@ -52,6 +53,7 @@ fn drop_near(points: &mut Vec<SurfacePoint>, least: f64, clear: impl Fn([usize; 
         if near && k + 1 < points.len() {
             continue;
         }
+        // The last point stays; it takes the place of the one kept before that it is too near to.
         if near && kept.len() > 1 {
             kept.pop();
         }

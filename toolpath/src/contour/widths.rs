@@ -34,6 +34,7 @@ pub(super) fn fitted(
     let levels: Vec<Vec<(f64, bool)>> =
         curves.iter().map(|curve| curve.points.iter().map(|at| spacing.width(at)).collect()).collect();
     let mut segments = Segments::of(curves, 4.0 / 3.0 * LOOKUP_DISTANCE * bead);
+    // The boundary lies beside beads as other curves do.
     for h in (0..mesh.half_edges()).filter(|&h| mesh.twin(h).is_none()) {
         segments.add(ends_of(mesh, h), [BOUNDARY, h]);
     }

@@ -71,6 +71,7 @@ fn rows(field: &LevelField, rims: &[Rim], bead: f64) -> Result<Vec<Row>, PathErr
     };
     let from_cut = LevelField::new(&distance, TOLERANCE * bead, &go_on)?;
     let reach = from_cut.values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    // Half a bead from the cut on either side, so that the two rows beside it are a bead apart as well.
     let levels: Vec<f64> = (0..).map(|k| (f64::from(k) + 0.5) * bead).take_while(|&level| level < reach).collect();
     let mut rows = Vec::new();
     for ring in from_cut.level_sets(&levels)?.rings {
@@ -137,6 +138,7 @@ impl Clipper<'_> {
         }
         let mut inside: Vec<bool> = places.iter().map(|(place, _)| self.is_inside(place)).collect();
         if ring.closed {
+            // A closed row begins outside, so that no part of it runs over its start.
             match inside.iter().position(|inside| !inside) {
                 None => {
                     let points = places.into_iter().filter(|(_, kept)| *kept).map(|(place, _)| place).collect();

@@ -65,7 +65,7 @@ pub enum FlattenError {
 }
 
 /// Most points of a drawing: 160 MB. A design of metres in steps of 0.2 mm has 100,000.
-pub const MAX_POINTS: usize = 10_000_000;
+pub(super) const MAX_POINTS: usize = 10_000_000;
 
 impl Drawing {
     /// The entities on some layers as polylines, one each, in their order.

@@ -48,7 +48,7 @@ pub use drawing::{Drawing, Entity, FillRule, PathFill};
 pub use dxf::{DxfError, Place, SpacePath, read_dxf, write_dxf, write_paths_dxf};
 pub use fault::{CurveFault, MAX_COORDINATE_MM};
 pub use fill::{ContourAt, Fill, FillError, FillOptions, Filled, Stroke, StrokeKind, fill};
-pub use flatten::{Flatten, FlattenError, MAX_POINTS};
+pub use flatten::{Flatten, FlattenError};
 pub use join::{Contour, Gap, JoinError, Joined, gaps, join};
 pub use overlap::{OverlapError, Overlaps, Region, area_sum, remove_overlaps, union_area};
 pub use polygon::signed_area;

@@ -13,7 +13,7 @@ pub use mesh::{MeshSurface, MeshSurfaceError};
 pub use revolved::{Profile, Revolved};
 pub use unrolled::{UnrollError, UnrollKind, UnrollOptions, UnrolledMesh};
 
-use super::MAX_POINTS;
+use super::flatten::MAX_POINTS;
 use nalgebra::{Matrix2, Point2, Point3, UnitVector3, Vector3};
 
 /// A point of a surface.

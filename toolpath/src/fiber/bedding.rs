@@ -161,10 +161,10 @@ pub enum BeddingError {
 /// use curvlay_toolpath::path::BeadKind;
 /// use curvlay_toolpath::support::{SupportError, SupportOptions, check_support};
 /// // Two layers of a bead 4 mm wide and 30 mm long; a tape on the first one is 40 mm long.
-/// let direction = Vector3::z_axis();
-/// let at = |x, z| Waypoint { tip: Point3::new(x, 0.0, z), direction, width: 4.0, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
+/// let axis = Vector3::z_axis();
+/// let at = |x, z| Waypoint { position: Point3::new(x, 0.0, z), axis, width: 4.0, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
 /// let path = |layer, z| ToolPath { layer, curve: 0, closed: false, waypoints: vec![at(0.0, z), at(30.0, z)] };
-/// let tape = Tape { points: vec![Point3::new(0.0, 0.0, 0.5), Point3::new(40.0, 0.0, 0.5)], normals: vec![direction; 2], width: 2.0, thickness: 0.08 };
+/// let tape = Tape { points: vec![Point3::new(0.0, 0.0, 0.5), Point3::new(40.0, 0.0, 0.5)], normals: vec![axis; 2], width: 2.0, thickness: 0.08 };
 /// let tapes = [LayerTapes { layer: 0, tool: Tool::Roller, lift: 0.0, tapes: vec![tape] }];
 /// let options = SupportOptions { plate: false, ..SupportOptions::default() };
 /// let roller = Roller { diameter: 20.0, width: 8.0 };
@@ -318,8 +318,8 @@ fn strand(tape: &Tape, lift: f64, aside: f64, width: f64) -> Vec<Waypoint> {
         let across = normal.cross(&along(tape, k)).try_normalize(1e-12).unwrap_or(Vector3::zeros());
         let tip = tape.points[k] + normal.into_inner() * (lift + tape.thickness) + across * aside;
         Waypoint {
-            tip,
-            direction: normal,
+            position: tip,
+            axis: normal,
             width,
             height: tape.thickness,
             arc,
@@ -335,8 +335,8 @@ fn strand(tape: &Tape, lift: f64, aside: f64, width: f64) -> Vec<Waypoint> {
 fn turned(path: &ToolPath) -> ToolPath {
     let end = path.waypoints.last().map_or(0.0, |last| last.arc);
     let waypoint = |at: &Waypoint| Waypoint {
-        tip: at.tip - at.direction.into_inner() * at.height,
-        direction: UnitVector3::new_unchecked(-at.direction.into_inner()),
+        position: at.position - at.axis.into_inner() * at.height,
+        axis: UnitVector3::new_unchecked(-at.axis.into_inner()),
         arc: end - at.arc,
         ..*at
     };
@@ -407,8 +407,8 @@ const BED_DISTANCE: f64 = 1.25;
 /// use curvlay_toolpath::fiber::bedding::bedded_surface;
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
-/// let direction = Vector3::z_axis();
-/// let at = |x, z| Waypoint { tip: Point3::new(x, 0.0, z), direction, width: 2.0, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
+/// let axis = Vector3::z_axis();
+/// let at = |x, z| Waypoint { position: Point3::new(x, 0.0, z), axis, width: 2.0, height: 0.5, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
 /// let path = |layer, end, z| ToolPath { layer, curve: 0, closed: false, waypoints: vec![at(0.0, z), at(end, z)] };
 /// let paths = [path(0, 30.0, 0.5), path(1, 10.0, 1.0)];
 /// // The second layer ends at 10 mm: what lies beyond is not covered.

@@ -32,7 +32,7 @@ impl Default for ConductorOptions {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConductorError {
-    /// An option that is no length.
+    /// An option that is not a length.
     #[error("`{option}` is {value} mm: it must be above 0 and finite")]
     Option {
         /// Its name.

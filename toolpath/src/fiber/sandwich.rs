@@ -184,11 +184,11 @@ fn scheduled(layers: u32, carries: impl Fn(u32) -> bool, offset: f64) -> Vec<San
 /// use curvlay_toolpath::fiber::sandwich::{SandwichOptions, raise, sandwich};
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
-/// let direction = Vector3::z_axis();
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 1.2), direction, width: 0.8, height: 0.6, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
+/// let axis = Vector3::z_axis();
+/// let at = |x| Waypoint { position: Point3::new(x, 0.0, 1.2), axis, width: 0.8, height: 0.6, arc: x, added: false, lift: Vector3::zeros(), kind: BeadKind::Solid };
 /// let mut paths = [ToolPath { layer: 1, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] }];
 /// raise(&mut paths, &sandwich(3, &SandwichOptions { offset: 0.08, ..SandwichOptions::default() })?)?;
-/// assert!((paths[0].waypoints[1].tip.z - 1.28).abs() < 1e-12);
+/// assert!((paths[0].waypoints[1].position.z - 1.28).abs() < 1e-12);
 /// # Ok::<(), curvlay_toolpath::fiber::sandwich::SandwichError>(())
 /// ```
 pub fn raise(paths: &mut [ToolPath], schedule: &[SandwichLayer]) -> Result<(), SandwichError> {
@@ -197,7 +197,7 @@ pub fn raise(paths: &mut [ToolPath], schedule: &[SandwichLayer]) -> Result<(), S
     }
     for path in paths {
         let raised = schedule[path.layer as usize].raised;
-        path.waypoints.iter_mut().for_each(|waypoint| waypoint.tip += waypoint.direction.into_inner() * raised);
+        path.waypoints.iter_mut().for_each(|waypoint| waypoint.position += waypoint.axis.into_inner() * raised);
     }
     Ok(())
 }

@@ -58,6 +58,7 @@ fn mark_over(
         let lowest = (0..above).rfind(|&k| !surfaces[k].is_half).unwrap_or(0);
         let (before, rest) = layers.split_at_mut(above);
         let (before, Some(layer)) = (&before[lowest..], &mut rest[0]) else { continue };
+        // Over solid layers there is nothing to bridge.
         if before.iter().flatten().all(|before| before.sparse.area_mm2 <= 0.0) {
             continue;
         }
@@ -76,6 +77,7 @@ fn mark_over(
             }
         }
         for path in &mut layer.paths.paths {
+            // First short skins between bridges, then short bridges between skins: the longer runs decide.
             path.absorb(kind, bridge, SHORT_RUN * bead);
             path.absorb(bridge, kind, SHORT_RUN * bead);
         }

@@ -11,7 +11,7 @@ use crate::infill::{FillError, Filled, Site, Sites, TOLERANCE, filled as filled_
 use crate::layer::LayerSurface;
 use crate::level_set::LevelField;
 use crate::mesh::SurfaceMesh;
-use crate::order::{TravelCurve, order_curves};
+use crate::order::{TravelCurve, TravelOrder, order_curves};
 use crate::parallel;
 use crate::path::{LayerPaths, PathOptions, Pattern};
 use crate::statistics::PathStatistics;
@@ -292,6 +292,7 @@ pub fn fill_rest(
         sites(surfaces, is_left, options, progress)?.ok_or(FillLayersError::Cancelled)?
     };
     let given: Vec<_> = filled.into_iter().map(Mutex::new).collect();
+    // Each is taken once, from whatever thread: `map` hands over shared items only.
     let taken = |layer: usize| given.get(layer).and_then(|given| given.lock().ok()?.take());
     let fill = |layer: usize, surface: &LayerSurface| {
         if let Some(filled) = taken(layer) {
@@ -303,6 +304,7 @@ pub fn fill_rest(
     };
     let filled = parallel::map(surfaces, "fill", progress, fill).ok_or(FillLayersError::Cancelled)?;
     let mut layers: Vec<Option<FilledLayer>> = filled.into_iter().collect::<Result<_, _>>()?;
+    // What a layer carries is known only now, with the layer above: so this and what follows looks at all layers.
     let changed = keep_carriers(&mut layers, surfaces, options.bead)?;
     judge_again(&mut layers, &changed, surfaces, options, progress)?;
     layers.iter_mut().flatten().for_each(|layer| layer.solid = None);
@@ -312,25 +314,35 @@ pub fn fill_rest(
     if layers.iter().flatten().any(|layer| layer.support.is_some()) {
         mark_support(&mut layers, surfaces, options.bead)?;
     }
-    let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
-    let reach = layers
-        .iter()
-        .flatten()
-        .map(|layer| layer.reach_mm)
-        .fold(None, |most: Option<f64>, reach| Some(most.map_or(reach, |most| most.max(reach))));
-    if let (true, Some(reach)) = (found.iter().all(Vec::is_empty), reach.filter(|reach| reach.is_finite())) {
-        return Err(FillLayersError::NothingFits { bead: options.bead, widest_mm: 2.0 * reach, fits_mm: reach });
+    check_any(&layers, options.bead)?;
+    let order = in_travel_order(&mut layers, progress)?;
+    let beads = layers.iter().map(beads).collect();
+    Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+}
+
+/// Refuses a part without a single curve: one layer may be too narrow for a bead; where all are, the bead is a slip of the unit.
+fn check_any(layers: &[Option<FilledLayer>], bead: f64) -> Result<(), FillLayersError> {
+    let reach = layers.iter().flatten().map(|layer| layer.reach_mm);
+    let reach = reach.fold(None, |most: Option<f64>, reach| Some(most.map_or(reach, |most| most.max(reach))));
+    let is_bare = layers.iter().flatten().all(|layer| layer.paths.paths.is_empty());
+    if let (true, Some(reach)) = (is_bare, reach.filter(|reach| reach.is_finite())) {
+        return Err(FillLayersError::NothingFits { bead, widest_mm: 2.0 * reach, fits_mm: reach });
     }
+    Ok(())
+}
+
+/// Puts the curves of each layer in the order in which they are travelled.
+fn in_travel_order(layers: &mut [Option<FilledLayer>], progress: ProgressFn) -> Result<TravelOrder, FillLayersError> {
     fn curve(bead: &Bead) -> TravelCurve<'_> {
         TravelCurve { points: &bead.points, closed: bead.closed }
     }
-    let order =
-        order_curves(&found.iter().map(|beads| beads.iter().map(curve).collect()).collect::<Vec<_>>(), progress)?;
+    let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
+    let curves: Vec<Vec<TravelCurve>> = found.iter().map(|beads| beads.iter().map(curve).collect()).collect();
+    let order = order_curves(&curves, progress)?;
     for (layer, visits) in layers.iter_mut().zip(&order.layers) {
         if let Some(FilledLayer { paths: LayerPaths { paths, .. }, .. }) = layer {
             *paths = visits.iter().map(|visit| paths[visit.curve as usize].travelled(visit)).collect();
         }
     }
-    let beads = layers.iter().map(beads).collect();
-    Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+    Ok(order)
 }

@@ -55,6 +55,7 @@ pub(super) fn keep_carriers(
     bead: f64,
 ) -> Result<Vec<usize>, FillLayersError> {
     let mut changed = Vec::new();
+    // From above: what is taken back has to be carried as well.
     for at in (0..layers.len()).rev() {
         let (upto, above) = layers.split_at_mut(at + 1);
         let Some(FilledLayer { paths, .. }) = &mut upto[at] else { continue };

@@ -66,6 +66,7 @@ impl FilledLayer {
         let Some(support) = support else { return part };
         let mut layer = part.unwrap_or_else(FilledLayer::without_beads);
         let (first, regions) = (surface.triangles.len() as u32, layer.paths.regions as u32);
+        // Triangles and regions of the support follow after those of the part.
         let moved = |mut path: SurfacePath| {
             for point in &mut path.points {
                 point.at.triangle += first;

@@ -78,7 +78,22 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    fn skip_spaces(&mut self) {
+    /// What is left of the line.
+    pub fn rest(&self) -> &[u8] {
+        self.line.get(self.at..).unwrap_or_default()
+    }
+
+    /// Where the rest begins, from 0.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Passes over so many bytes.
+    pub fn skip(&mut self, bytes: usize) {
+        self.at = (self.at + bytes).min(self.line.len());
+    }
+
+    pub fn skip_spaces(&mut self) {
         while self.line.get(self.at).is_some_and(u8::is_ascii_whitespace) {
             self.at += 1;
         }
@@ -150,7 +165,7 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// A decimal number: sign, digits, one point. No exponent: `E` is a word.
-    fn number(&mut self) -> Result<f64, ReadError> {
+    pub fn number(&mut self) -> Result<f64, ReadError> {
         const POWERS: [f64; 16] =
             [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
         let start = self.at;

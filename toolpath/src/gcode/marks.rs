@@ -25,8 +25,8 @@ const NOTABLE_MM: f64 = 0.02;
 /// use curvlay_toolpath::deposit::{DepositionOptions, deposit};
 /// use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 /// use curvlay_toolpath::path::BeadKind;
-/// let (direction, kind) = (Vector3::z_axis(), BeadKind::Wall);
-/// let at = |x| Waypoint { tip: Point3::new(x, 0.0, 0.3), direction, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
+/// let (axis, kind) = (Vector3::z_axis(), BeadKind::Wall);
+/// let at = |x| Waypoint { position: Point3::new(x, 0.0, 0.3), axis, width: 0.5, height: 0.3, arc: x, added: false, lift: Vector3::zeros(), kind };
 /// let paths = [ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![at(0.0), at(10.0)] }];
 /// let plan = deposit(&paths, &DepositionOptions::default())?;
 /// let mut file = Vec::new();
@@ -44,7 +44,7 @@ pub fn marked_moves<'a>(moves: &'a [Move], paths: &'a [ToolPath]) -> impl Iterat
         let begins = first.and_then(|path| {
             layer = Some(path.layer);
             let start = path.waypoints.first()?;
-            Some(Mark::Layer { number: path.layer, z_mm: start.tip.z, height_mm: start.height })
+            Some(Mark::Layer { number: path.layer, z_mm: start.position.z, height_mm: start.height })
         });
         let at = path.and_then(|path| path.waypoints.get(step.waypoint));
         let size = at.zip(step.bead).map(|(at, kind)| (kind, at.width, at.height));

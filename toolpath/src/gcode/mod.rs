@@ -9,6 +9,8 @@
 //!   ([`DirectionWords`]).
 //! * [`Dialect::Rotary`]: axes of a machine whose table tilts and turns ([`RotaryTable`]), `G1 X.. Y.. Z.. B.. C..`.
 //!
+//! [`flavour`] writes and reads the G-code of controllers as data: LinuxCNC, RepRapFirmware, Klipper, Marlin, Siemens, Heidenhain and others.
+//!
 //! Departs from the appendix: the direction stands in a comment by default, since its words `nX nY nZ` are dangerous: Marlin, for one, reads the
 //! `X` behind an `n` it does not know. It has unit length and points from the tip into the nozzle (as in its example),
 //! it stays until the next one is given and is +z at first; modes are written out (`G21 G90 M82 G94`), so that a file
@@ -18,6 +20,7 @@
 
 mod direction;
 mod fiber;
+pub mod flavour;
 mod lift;
 mod lines;
 mod marks;

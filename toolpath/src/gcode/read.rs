@@ -53,6 +53,28 @@ struct Verb {
     start: usize,
 }
 
+/// What a word with `G`, `M` or `T` is.
+#[derive(Clone, Copy, Debug)]
+enum Code {
+    /// It sets a mode, and has been obeyed.
+    Mode,
+    /// `M110`: lines count from the number that follows.
+    Counts,
+    /// The command of the line.
+    Verb(u16),
+    /// A command of the machine's own: the rest of the line is not read.
+    Skipped,
+}
+
+/// Numbers that a line gives itself.
+#[derive(Clone, Copy, Debug, Default)]
+struct LineCount {
+    number: Option<f64>,
+    /// Whether it sets the number that lines count from, and which one.
+    resets: bool,
+    resets_to: Option<f64>,
+}
+
 /// The moves of a file, one after the other, in constant memory. Ends after the first error.
 ///
 /// # Errors
@@ -149,76 +171,22 @@ impl<R: BufRead> GcodeReader<R> {
     fn words(&mut self) -> Result<Option<Verb>, ReadError> {
         self.set = 0;
         let mut verb = None;
-        let (mut number, mut resets, mut resets_to) = (None, false, None);
+        let mut count = LineCount::default();
         while let Some(word) = self.lines.word()? {
-            if matches!((word.letter, word.second), (b'G' | b'M' | b'T', _)) {
-                // A letter and a whole number; 1000 is no command.
-                let code = word.value as u16;
-                let whole = (f64::from(code) - word.value).abs() == 0.0;
-                match (word.letter, if whole { code } else { 1000 }) {
-                    (b'G', 21 | 90) => {}
-                    (b'G', 93 | 94) => self.inverse_time = code == 93,
-                    (b'M', 82 | 83) => self.relative = code == 83,
-                    (b'M', 110) => resets = true,
-                    (b'G', 0 | 1 | 4 | 28 | 92)
-                    | (b'M', 104 | 106 | 107 | 109 | 140 | 190 | fiber::TOOL..=fiber::CUT) => {
-                        if verb.is_some() {
-                            return Err(self.lines.unexpected(word.start, "one command in a line"));
-                        }
-                        verb = Some(Verb { letter: word.letter, code, start: word.start });
-                    }
-                    (b'M', _) if self.options.skip_other_m && verb.is_none() && self.set == 0 => return Ok(None),
-                    (b'G', 20) => return Err(self.refused(&word, "lengths are in millimetres (G21)")),
-                    (b'G', 91) => return Err(self.refused(&word, "positions are absolute (G90)")),
-                    _ => return Err(self.refused(&word, "no command of this dialect")),
-                }
-                continue;
-            }
-            if let (b'N', None) = (word.letter, word.second) {
-                // A line number; behind `M110` the one that lines count from.
-                if resets {
-                    resets_to = Some(word.value);
-                } else {
-                    number = Some(word.value);
-                }
-                continue;
-            }
-            let (words, rotary) = match &self.options.dialect {
-                Dialect::Part(words) => (Some(*words), None),
-                Dialect::Rotary(table) => (None, Some([table.tilt.letter, table.turn.letter])),
-            };
-            let slot = match (word.letter, word.second) {
-                (letter @ b'X'..=b'Z', _) => X + usize::from(letter - b'X'),
-                (_, Some(second)) if words == Some(DirectionWords::Dissertation) => NX + usize::from(second - b'X'),
-                (letter @ b'I'..=b'K', None) if words == Some(DirectionWords::Ijk) => NX + usize::from(letter - b'I'),
-                (b'E', _) => E,
-                (b'F', _) => F,
-                (b'S', _) => S,
-                (b'P', _) => P,
-                (letter, None) => match rotary.and_then(|all| all.iter().position(|&c| c == char::from(letter))) {
-                    Some(axis) => TILT + axis,
-                    None => return Err(self.lines.unexpected(word.start, "a word of this dialect")),
+            match (word.letter, word.second) {
+                (b'G' | b'M' | b'T', _) => match self.code(&word, verb)? {
+                    Code::Mode => {}
+                    Code::Counts => count.resets = true,
+                    Code::Verb(code) => verb = Some(Verb { letter: word.letter, code, start: word.start }),
+                    Code::Skipped => return Ok(None),
                 },
-                _ => return Err(self.lines.unexpected(word.start, "a word of this dialect")),
-            };
-            if self.set & (1 << slot) != 0 {
-                let (line, column) = self.place(word.start);
-                return Err(ReadError::Repeated { line, column, word: word.name() });
+                // A line number; behind `M110` the one that lines count from.
+                (b'N', None) if count.resets => count.resets_to = Some(word.value),
+                (b'N', None) => count.number = Some(word.value),
+                _ => self.set_slot(&word)?,
             }
-            self.set |= 1 << slot;
-            (self.values[slot], self.starts[slot]) = (word.value, word.start);
         }
-        if let Some(([expected, given], star)) = self.lines.checksum()? {
-            if given != expected {
-                let (line, column) = self.place(star);
-                return Err(ReadError::Checksum { line, column, given, expected });
-            }
-            let expected = self.number.map(|last| last + 1.0).filter(|_| !resets);
-            if let Some((given, expected)) = number.zip(expected).filter(|(given, next)| (given - next).abs() > 0.0) {
-                return Err(ReadError::LineNumber { line: self.lines.row(), given, expected });
-            }
-            self.number = resets_to.or(number).or(self.number);
-        }
+        self.check_sum(count)?;
         let moves = verb.is_some_and(|verb| verb.letter == b'G' && verb.code < 2);
         if moves && self.options.dialect == Dialect::Part(DirectionWords::Comment) {
             self.read_comment()?;
@@ -228,6 +196,79 @@ impl<R: BufRead> GcodeReader<R> {
             return Err(self.lines.unexpected(start.unwrap_or(0), "a command in this line that the words belong to"));
         }
         Ok(verb)
+    }
+
+    /// What a word with `G`, `M` or `T` is, beside the command that the line has already. Modes hold from here on, for this line as well.
+    fn code(&mut self, word: &Word, verb: Option<Verb>) -> Result<Code, ReadError> {
+        // A letter and a whole number; 1000 is no command.
+        let code = word.value as u16;
+        let whole = (f64::from(code) - word.value).abs() == 0.0;
+        match (word.letter, if whole { code } else { 1000 }) {
+            (b'G', 21 | 90) => {}
+            (b'G', 93 | 94) => self.inverse_time = code == 93,
+            (b'M', 82 | 83) => self.relative = code == 83,
+            (b'M', 110) => return Ok(Code::Counts),
+            (b'G', 0 | 1 | 4 | 28 | 92) | (b'M', 104 | 106 | 107 | 109 | 140 | 190 | fiber::TOOL..=fiber::CUT) => {
+                return match verb {
+                    Some(_) => Err(self.lines.unexpected(word.start, "one command in a line")),
+                    None => Ok(Code::Verb(code)),
+                };
+            }
+            (b'M', _) if self.options.skip_other_m && verb.is_none() && self.set == 0 => return Ok(Code::Skipped),
+            (b'G', 20) => return Err(self.refused(word, "lengths are in millimetres (G21)")),
+            (b'G', 91) => return Err(self.refused(word, "positions are absolute (G90)")),
+            _ => return Err(self.refused(word, "no command of this dialect")),
+        }
+        Ok(Code::Mode)
+    }
+
+    /// Keeps the number of a word at its place; each word stands once in a line.
+    fn set_slot(&mut self, word: &Word) -> Result<(), ReadError> {
+        let slot = self.slot(word)?;
+        if self.set & (1 << slot) != 0 {
+            let (line, column) = self.place(word.start);
+            return Err(ReadError::Repeated { line, column, word: word.name() });
+        }
+        self.set |= 1 << slot;
+        (self.values[slot], self.starts[slot]) = (word.value, word.start);
+        Ok(())
+    }
+
+    /// The place of a word in this dialect.
+    fn slot(&self, word: &Word) -> Result<usize, ReadError> {
+        let (words, rotary) = match &self.options.dialect {
+            Dialect::Part(words) => (Some(*words), None),
+            Dialect::Rotary(table) => (None, Some([table.tilt.letter, table.turn.letter])),
+        };
+        Ok(match (word.letter, word.second) {
+            (letter @ b'X'..=b'Z', _) => X + usize::from(letter - b'X'),
+            (_, Some(second)) if words == Some(DirectionWords::Dissertation) => NX + usize::from(second - b'X'),
+            (letter @ b'I'..=b'K', None) if words == Some(DirectionWords::Ijk) => NX + usize::from(letter - b'I'),
+            (b'E', _) => E,
+            (b'F', _) => F,
+            (b'S', _) => S,
+            (b'P', _) => P,
+            (letter, None) => match rotary.and_then(|all| all.iter().position(|&c| c == char::from(letter))) {
+                Some(axis) => TILT + axis,
+                None => return Err(self.lines.unexpected(word.start, "a word of this dialect")),
+            },
+            _ => return Err(self.lines.unexpected(word.start, "a word of this dialect")),
+        })
+    }
+
+    /// A line with a checksum has the one of its bytes, and the number that follows that of the last such line.
+    fn check_sum(&mut self, LineCount { number, resets, resets_to }: LineCount) -> Result<(), ReadError> {
+        let Some(([expected, given], star)) = self.lines.checksum()? else { return Ok(()) };
+        if given != expected {
+            let (line, column) = self.place(star);
+            return Err(ReadError::Checksum { line, column, given, expected });
+        }
+        let expected = self.number.map(|last| last + 1.0).filter(|_| !resets);
+        if let Some((given, expected)) = number.zip(expected).filter(|(given, next)| (given - next).abs() > 0.0) {
+            return Err(ReadError::LineNumber { line: self.lines.row(), given, expected });
+        }
+        self.number = resets_to.or(number).or(self.number);
+        Ok(())
     }
 
     /// The direction in the comment at the end of the line, if it has one.
@@ -297,20 +338,8 @@ impl<R: BufRead> GcodeReader<R> {
         if self.has(F) {
             self.feed = Some(self.needed(verb, F, F_RANGE)?).filter(|_| !self.inverse_time).or(self.feed);
         }
-        let moving = self.set & (ALL_XYZ | ALL_N | ALL_ROTARY) != 0;
-        let filament = match self.has(E) {
-            false => None,
-            true => {
-                let to = self.needed(verb, E, E_RANGE)?;
-                let by = if self.relative { to } else { to - std::mem::replace(&mut self.filament, to) };
-                let size = by.abs();
-                if !within(size, FILAMENT) {
-                    return Err(self.out_of_range(E, by, [-FILAMENT[1], FILAMENT[1]]));
-                }
-                Some(by)
-            }
-        };
-        if !moving {
+        let filament = self.filament_by(verb)?;
+        if self.set & (ALL_XYZ | ALL_N | ALL_ROTARY) == 0 {
             // `G1 F600` sets the feed alone.
             let Some(by) = filament else { return Ok(None) };
             let feed_mm_s = self.feed(verb, Some(by.abs()))?;
@@ -319,35 +348,8 @@ impl<R: BufRead> GcodeReader<R> {
                 false => Move::Prime { filament_mm: by, feed_mm_s },
             }));
         }
-        for k in 0..3 {
-            if self.has(X + k) {
-                self.at[k] = Some(self.needed(verb, X + k, COORDINATE)?);
-            }
-        }
-        let [Some(x), Some(y), Some(z)] = self.at else {
-            let unknown = self.at.iter().position(Option::is_none).unwrap_or(0);
-            return Err(self.missing(verb, X + unknown));
-        };
         let before = self.tip;
-        let tip = match self.options.dialect {
-            Dialect::Part(_) => {
-                self.turn_to(verb)?;
-                Point3::new(x, y, z)
-            }
-            Dialect::Rotary(table) => {
-                for k in 0..2 {
-                    if self.has(TILT + k) {
-                        self.axes[k] = Some(self.needed(verb, TILT + k, DEGREES)?.to_radians());
-                    }
-                }
-                let [Some(tilt), Some(turn)] = self.axes else {
-                    return Err(self.missing(verb, if self.axes[0].is_none() { TILT } else { TURN }));
-                };
-                let (tip, direction) = table.part_point(&Point3::new(x, y, z), [tilt, turn]);
-                self.direction = direction;
-                tip
-            }
-        };
+        let tip = self.arrive(verb)?;
         self.tip = Some(tip);
         let feed_mm_s = self.feed(verb, before.map(|before| distance(&before, &tip)))?;
         let direction = self.direction;
@@ -360,6 +362,51 @@ impl<R: BufRead> GcodeReader<R> {
                 Err(ReadError::Backwards { line, column, filament_mm: -by })
             }
         }
+    }
+
+    /// By how much the line moves the filament, if it has `E`.
+    fn filament_by(&mut self, verb: Verb) -> Result<Option<f64>, ReadError> {
+        if !self.has(E) {
+            return Ok(None);
+        }
+        let to = self.needed(verb, E, E_RANGE)?;
+        let by = if self.relative { to } else { to - std::mem::replace(&mut self.filament, to) };
+        let size = by.abs();
+        if !within(size, FILAMENT) {
+            return Err(self.out_of_range(E, by, [-FILAMENT[1], FILAMENT[1]]));
+        }
+        Ok(Some(by))
+    }
+
+    /// Where the tip is at the end of the line, in the part; sets position, axes and direction. What the line does not say is as before.
+    fn arrive(&mut self, verb: Verb) -> Result<Point3<f64>, ReadError> {
+        for k in 0..3 {
+            if self.has(X + k) {
+                self.at[k] = Some(self.needed(verb, X + k, COORDINATE)?);
+            }
+        }
+        let [Some(x), Some(y), Some(z)] = self.at else {
+            let unknown = self.at.iter().position(Option::is_none).unwrap_or(0);
+            return Err(self.missing(verb, X + unknown));
+        };
+        let table = match self.options.dialect {
+            Dialect::Part(_) => {
+                self.turn_to(verb)?;
+                return Ok(Point3::new(x, y, z));
+            }
+            Dialect::Rotary(table) => table,
+        };
+        for k in 0..2 {
+            if self.has(TILT + k) {
+                self.axes[k] = Some(self.needed(verb, TILT + k, DEGREES)?.to_radians());
+            }
+        }
+        let [Some(tilt), Some(turn)] = self.axes else {
+            return Err(self.missing(verb, if self.axes[0].is_none() { TILT } else { TURN }));
+        };
+        let (tip, direction) = table.part_point(&Point3::new(x, y, z), [tilt, turn]);
+        self.direction = direction;
+        Ok(tip)
     }
 
     /// The direction, if the line has one.

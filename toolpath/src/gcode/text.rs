@@ -3,7 +3,7 @@
 /// A number as a count of `10^-decimals`, the nearest one. What reaches this has passed the checks: it is finite and
 /// its count has less than 18 digits.
 pub(super) fn steps(value: f64, decimals: usize) -> i64 {
-    const POWERS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
+    const POWERS: [f64; 9] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];
     (value * POWERS[decimals]).round() as i64
 }
 

@@ -108,7 +108,7 @@ const MAX_TIME: f64 = 1e5;
 const SECONDS_PER_MINUTE: f64 = 60.0;
 
 /// How far the length of a direction may be from 1.
-const UNIT: f64 = 1e-6;
+pub(super) const UNIT: f64 = 1e-6;
 
 /// Writes a file of G-code.
 ///
@@ -181,7 +181,7 @@ pub fn write_gcode(
     Ok(writer.written)
 }
 
-fn check_options(options: &WriteOptions<'_>) -> Result<(), WriteError> {
+pub(super) fn check_options(options: &WriteOptions<'_>) -> Result<(), WriteError> {
     if let Dialect::Rotary(table) = &options.dialect {
         table.check().map_err(WriteError::Machine)?;
     }
@@ -334,22 +334,8 @@ impl<W: Write> Writer<'_, W> {
                 self.written.tape_mm += distance(&from, &tip);
             }
             Move::Fiber(command) => self.fiber(index, command)?,
-            Move::Retract { filament_mm, feed_mm_s } | Move::Prime { filament_mm, feed_mm_s } => {
-                check("filament_mm", filament_mm, FILAMENT)?;
-                check("feed_mm_s", feed_mm_s, FEED)?;
-                let back = matches!(item, Move::Retract { .. });
-                self.reset_filament();
-                self.text.word("G1");
-                self.extrude(if back { -filament_mm } else { filament_mm });
-                let seconds = filament_mm / feed_mm_s;
-                if self.inverse_time {
-                    self.inverse_feed(seconds)
-                } else {
-                    self.modal_feed(feed_mm_s)
-                }
-                self.end_line();
-                self.written.seconds += seconds;
-            }
+            Move::Retract { filament_mm, feed_mm_s } => self.stroke(index, filament_mm, feed_mm_s, true)?,
+            Move::Prime { filament_mm, feed_mm_s } => self.stroke(index, filament_mm, feed_mm_s, false)?,
             Move::Home => {
                 self.line("G28");
                 (self.at, self.axes) = (None, None);
@@ -379,6 +365,24 @@ impl<W: Write> Writer<'_, W> {
                 self.end_line();
             }
         }
+        Ok(())
+    }
+
+    /// Filament drawn back or pushed forward, the nozzle stands still.
+    fn stroke(&mut self, index: u64, filament_mm: f64, feed_mm_s: f64, is_back: bool) -> Result<(), WriteError> {
+        number(index, "filament_mm", filament_mm, FILAMENT)?;
+        number(index, "feed_mm_s", feed_mm_s, FEED)?;
+        self.reset_filament();
+        self.text.word("G1");
+        self.extrude(if is_back { -filament_mm } else { filament_mm });
+        let seconds = filament_mm / feed_mm_s;
+        if self.inverse_time {
+            self.inverse_feed(seconds);
+        } else {
+            self.modal_feed(feed_mm_s);
+        }
+        self.end_line();
+        self.written.seconds += seconds;
         Ok(())
     }
 
@@ -582,6 +586,6 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
-fn number(index: u64, what: &'static str, value: f64, [least, most]: [f64; 2]) -> Result<(), WriteError> {
+pub(super) fn number(index: u64, what: &'static str, value: f64, [least, most]: [f64; 2]) -> Result<(), WriteError> {
     if within(value, [least, most]) { Ok(()) } else { Err(WriteError::Number { index, what, value, least, most }) }
 }

@@ -1,5 +1,6 @@
 //! Why a file could not be written.
 
+use super::flavour::FlavourError;
 use std::io;
 
 /// Why a file could not be written. Moves are counted from 0. What was written until then is half a file: write to a
@@ -69,7 +70,7 @@ pub enum WriteError {
     /// A template cannot be filled in.
     #[error("the {template}, line {line}: {problem}")]
     Template {
-        /// `header` or `footer`.
+        /// `header`, `footer`, or the lines of a flavour.
         template: &'static str,
         /// Line of the template, counted from 1.
         line: usize,
@@ -89,6 +90,41 @@ pub enum WriteError {
     /// The machine is not possible.
     #[error("the rotary table: {0}")]
     Machine(&'static str),
+    /// The flavour cannot be used, or not for these moves.
+    #[error(transparent)]
+    Flavour(#[from] FlavourError),
+    /// A value of an axis is not finite or beyond its range.
+    #[error("move {index}: axis {axis} is at {value}; it must be from {least} to {most} (mm, or degrees)")]
+    AxisNumber {
+        /// The move.
+        index: u64,
+        /// Letter of the axis.
+        axis: char,
+        /// Its value, in the units of the file.
+        value: f64,
+        /// Least value allowed.
+        least: f64,
+        /// Greatest value allowed.
+        most: f64,
+    },
+    /// A move of another kind than the writer takes.
+    #[error("move {index}: {problem}")]
+    Kind {
+        /// The move.
+        index: u64,
+        /// Why, and what to do.
+        problem: &'static str,
+    },
+    /// A line is longer than the controller reads.
+    #[error("line {line} of the program has {length} bytes; the flavour allows {max} (`lines.max_length`)")]
+    LongLine {
+        /// The line, counted from 1.
+        line: u64,
+        /// Its length in bytes.
+        length: usize,
+        /// Bytes allowed.
+        max: usize,
+    },
     /// The output cannot be written.
     #[error("the file cannot be written: {0}")]
     Io(#[from] io::Error),

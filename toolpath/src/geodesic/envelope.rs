@@ -190,6 +190,7 @@ impl Trim {
         for old in &windows[first..first + met] {
             let common = [old.span[0].max(new.span[0]), old.span[1].min(new.span[1])];
             gained |= merged.push(Window { span: [at, common[0]], ..new });
+            // Two waves are equally far at two places of an edge at most: so each of them may win the middle or the ends.
             let result = contest(&new.wave(), &old.wave(), common, self.slack);
             let mut start = common[0];
             let mut challenger = result.challenger_first;
@@ -207,6 +208,7 @@ impl Trim {
             at = common[1];
         }
         gained |= merged.push(Window { span: [at, new.span[1]], ..new });
+        // The list is as it was, with waiting windows still waiting.
         if !gained {
             return false;
         }

@@ -71,6 +71,7 @@ impl Light {
         if past(gate[0].0) <= 0.0 && past(gate[1].0) >= 0.0 {
             return Some((straight, way));
         }
+        // The line misses the window: the way bends over the nearer end, which is longer, but exists.
         let bent = gate.map(|([x, y], distance)| {
             let [dx, dy] = [p[0] - x, p[1] - y];
             (distance + (dx * dx + dy * dy).sqrt(), [dx, dy])
@@ -172,6 +173,7 @@ impl SurfaceDistance<'_> {
             let (tail, head) = (corners[k], corners[(k + 1) % 3]);
             let length = self.unfolding.frame(h).length;
             let base = self.distances[self.mesh.tail(h) as usize];
+            // Over a corner any way is open: its distance is that of a path that exists.
             add(Light { from: tail, parallel: false, base, gate: None });
             let u = [(head[0] - tail[0]) / length, (head[1] - tail[1]) / length];
             // From the frame of the half-edge to that of the first one.
@@ -212,6 +214,7 @@ impl SurfaceDistance<'_> {
         let edge = self.mesh.edge(half_edge);
         let length = self.unfolding.frame(edge).length;
         let t = if edge == half_edge { share * length } else { (1.0 - share) * length };
+        // Windows follow each other along the edge: the one at the place and its neighbours, if the place is in a gap.
         let windows = self.envelope.on(edge);
         let next = windows.partition_point(|window| window.span[1] < t);
         let beside = &windows[next.saturating_sub(1)..windows.len().min(next + 1)];

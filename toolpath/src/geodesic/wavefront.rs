@@ -109,6 +109,7 @@ impl<'m> WaveFront<'m> {
         for &vertex in &starts {
             front.distances[vertex as usize] = 0.0;
         }
+        // Strips first, then the vertices between them, which fill the gaps that strips leave.
         for half_edge in 0..mesh.half_edges() {
             if front.is_source[half_edge as usize] {
                 let wave = Wave::Strip { along: 0.0, across: 1.0, base: 0.0 };
@@ -158,6 +159,7 @@ impl<'m> WaveFront<'m> {
         let edge = self.mesh.edge(half_edge);
         let crossing = Crossing::new(self.unfolding, half_edge);
         let length = crossing.length;
+        // What they light lies on the other edges of the triangle, so the list can be taken out meanwhile.
         let mut windows = self.envelope.take(edge);
         // From the head back to the tail: so what they light on both other sides is in order.
         if edge == half_edge {
@@ -223,6 +225,7 @@ impl<'m> WaveFront<'m> {
             (wave.at(end) + up[0].hypot(up[1]), end, past.abs() / squares.sqrt())
         };
         let vertex = self.mesh.tail(crossing.left.half_edge);
+        // Any path that exists bounds the distance from above: only shorter ones count, so it never rises.
         if !self.improves(vertex, distance) {
             return;
         }
@@ -243,6 +246,7 @@ impl<'m> WaveFront<'m> {
         if self.casts_shadow(vertex) {
             let before: f64 = self.mesh.fan(vertex).take_while(|&h| h != out).map(|h| self.unfolding.angle(h)).sum();
             self.arrivals[vertex as usize] = Arrival { angle: before + angle, off };
+            // It waits its turn: a shorter way may come before, and then this item is stale.
             self.queue.push(distance, VERTEX | vertex);
         }
     }
@@ -381,6 +385,7 @@ impl<'m> WaveFront<'m> {
         let Some(&middle) = lit.get(lit.len() / 2) else { return };
         let edge = self.mesh.edge(half_edge);
         if edge != half_edge {
+            // The envelope keeps windows along the lower half-edge.
             lit.reverse();
             lit.iter_mut().for_each(|window| *window = window.reversed(length));
         }
@@ -390,8 +395,10 @@ impl<'m> WaveFront<'m> {
         if !gained || enters == NONE {
             return;
         }
+        // The window in the middle stands for all that were lit together.
         let key = middle.wave().at(0.5 * length);
         let queued = &mut self.queued[enters as usize];
+        // Within a bucket it would not come sooner: one entry less.
         if key < *queued - self.queue.width() {
             *queued = key;
             self.queue.push(key, enters);

@@ -166,7 +166,7 @@ impl LayerStack<'_> {
     /// let layers = [&floor, &wall].map(|vertices| BuiltLayer { vertices, triangles: &triangles, spacing: &spacing, curves: &[] });
     /// let line = |layer: u32, x: f64, z: f64| {
     ///     let at = |y: f64| Waypoint {
-    ///         tip: Point3::new(x, y, z), direction: Vector3::z_axis(), width: 0.8, height: 0.8, arc: y, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
+    ///         position: Point3::new(x, y, z), axis: Vector3::z_axis(), width: 0.8, height: 0.8, arc: y, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall,
     ///     };
     ///     ToolPath { layer, curve: 0, closed: false, waypoints: vec![at(5.0), at(15.0)] }
     /// };
@@ -279,6 +279,8 @@ impl Contacts<'_> {
         from.toward(to, 0.5).ok_or(ContactError::Opposite)?;
         let lever =
             [from, to].map(|pose| farthest(&bounds, &pose.tip)).into_iter().fold(self.nozzle.corner(), f64::max);
+        // No point that may touch anything moves farther than this in all: with the tip, and by the turn about it at the farthest reach of
+        // what is built.
         let motion = (to.tip - from.tip).norm() + angle(&from.direction, &to.direction) * lever;
         let parts = (motion / step_mm).ceil();
         if parts > MAX_SAMPLES {
@@ -316,6 +318,7 @@ impl Leg<'_> {
     /// Looks at samples from one to another.
     fn look(&mut self, first: u32, last: u32) {
         if first < last {
+            // Halved until a way is proven free or is a single sample, which then is looked at exactly.
             if !self.is_free(first, last) {
                 let middle = first + (last - first) / 2;
                 self.look(first, middle);
@@ -364,6 +367,7 @@ impl Leg<'_> {
         if !self.scene.above_plate(self.stand(lower), &leaning) {
             return false;
         }
+        // A nozzle that is larger by what any point moves from the middle on holds all poses of the way: free as it is, they are.
         let by = self.spacing * (last - first) / 2.0;
         let grown = self.scene.nozzle.grown(by);
         let scene = Scene { nozzle: &grown, plate: None, ..self.scene };

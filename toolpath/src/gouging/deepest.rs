@@ -152,6 +152,7 @@ impl Seeker<'_> {
         let corners = base.map(|(corner, normal)| corner + normal * offset);
         let needed = self.stand.clearance(triangle.height);
         let least = self.least(&corners, &Sway::default()) - needed;
+        // No point of the piece is worse than the worst so far.
         if least >= self.bound {
             return false;
         }
@@ -165,12 +166,14 @@ impl Seeker<'_> {
         let (skin, flat) = (self.stand.allowed.min(0.5) * triangle.height, base.map(|(corner, _)| corner));
         let foot = centroid(&flat);
         let to_rim = self.to_rim(foot, triangle).sqrt();
+        // All of the piece is nearer to the boundary of the layer than the skin that may be entered from the side.
         if to_rim + reach(&flat, foot) < skin {
             return false;
         }
         if lack < self.bound && to_rim >= skin {
             let (height, obstacle) = (triangle.height, Obstacle::of(triangle));
             self.worst = Some(Worst { point: middle, lack, height, obstacle });
+            // A point that is worse by less than this is not looked for: the walk ends sooner.
             self.bound = lack * (1.0 + self.rough);
             if self.any {
                 return true;
@@ -180,6 +183,7 @@ impl Seeker<'_> {
             return false;
         }
         let sides = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).norm_squared());
+        // Across its longest side, so that pieces do not become slim.
         let k = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
         let [from, to, tip] = [base[k], base[(k + 1) % 3], base[(k + 2) % 3]];
         let half = (nalgebra::center(&from.0, &to.0), (from.1 + to.1) / 2.0);
@@ -210,6 +214,7 @@ impl Walk for Seeker<'_> {
             return false;
         }
         let base = [0, 1, 2].map(|k| (triangle.corners[k], triangle.normals[k]));
+        // The outer sheets first: where they are gouged the middle one is not asked.
         let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
         sheets.iter().any(|side| self.piece(base, triangle, side * offset))
     }

@@ -44,7 +44,7 @@ pub struct LeftOut {
 impl LeftOut {
     pub(super) fn new(piece: &ToolPath, gouge: &Gouge) -> Option<LeftOut> {
         let (first, last) = (piece.waypoints.first()?, piece.waypoints.last()?);
-        let tip = piece.waypoints.get(gouge.waypoint)?.tip;
+        let tip = piece.waypoints.get(gouge.waypoint)?.position;
         let (&ToolPath { layer, curve, .. }, &Gouge { obstacle, depth, part, .. }) = (piece, gouge);
         Some(LeftOut { layer, curve, arcs: [first.arc, last.arc], tip, obstacle, depth, part })
     }

@@ -29,6 +29,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Lengths beyond this are refused, in millimetres: a nozzle is not ten metres wide.
 const MAX_LENGTH_MM: f64 = 1e4;
 
+/// Diameter of the flat tip by default, in millimetres: twice an orifice of 0.4 mm. Beads of this orifice, 0.4 to 0.6 mm wide, stay under
+/// the flat; under a narrower flat they bulge out beside it, and a wider one touches more of what stands beside the bead.
+const TIP_FLAT_MM: f64 = 0.8;
+
 /// The measures of a nozzle: those that `curvlay-layers` knows it by, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -123,15 +127,22 @@ pub enum NozzleError {
     },
 }
 
-impl Default for Nozzle {
-    /// A tip flat of 1 mm, a cone of 45 degrees that is 8 mm high, a block of 20 mm.
+impl Default for NozzleShape {
+    /// A tip flat of 0.8 mm, twice an orifice of 0.4 mm; a cone of 45 degrees that is 8 mm high; a block of 20 mm.
     fn default() -> Self {
-        Nozzle::of(NozzleShape {
-            tip_flat_mm: 1.0,
+        NozzleShape {
+            tip_flat_mm: TIP_FLAT_MM,
             half_angle: std::f64::consts::FRAC_PI_4,
             cone_height_mm: 8.0,
             block_mm: 20.0,
-        })
+        }
+    }
+}
+
+impl Default for Nozzle {
+    /// A nozzle of the default [`NozzleShape`].
+    fn default() -> Self {
+        Nozzle::of(NozzleShape::default())
     }
 }
 
@@ -144,7 +155,7 @@ impl Nozzle {
     /// # Example
     /// ```
     /// use curvlay_toolpath::gouging::{Nozzle, NozzleError, NozzleShape};
-    /// let shape = NozzleShape { tip_flat_mm: 1.0, half_angle: 45_f64.to_radians(), cone_height_mm: 8.0, block_mm: 20.0 };
+    /// let shape = NozzleShape { tip_flat_mm: 0.8, half_angle: 45_f64.to_radians(), cone_height_mm: 8.0, block_mm: 20.0 };
     /// let nozzle = Nozzle::new(shape)?;
     /// assert_eq!((nozzle, nozzle.shape()), (Nozzle::default(), shape));
     /// // A millimetre beside the axis at the height of the tip: half a millimetre from the flat, seen across the cone.
@@ -241,7 +252,7 @@ impl Nozzle {
         }
     }
 
-    /// No less than this is the clearance in a body around a point at (`z`, `rho`), if it reaches as far as `reach` says
+    /// No less than this is the clearance in a body around a point at (`z`, `rho`), whose extent is what `reach` says
     /// (to both sides) in a direction given by what it has of the axis and of the ray from the axis to the point.
     ///
     /// Each distance to a line is convex in space, so it is nowhere less than its tangent at the point. A nozzle that sways takes from each

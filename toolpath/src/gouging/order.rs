@@ -5,7 +5,7 @@
 //! cut out and laid before all else of the layer: then only earlier layers are there, and of these a tilt frees it. What is
 //! left of the path is laid as before, in two parts or more.
 //!
-//! DepositedPath early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
+//! Laid early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
 //! waypoints are left; then what is left is cut out in turn.
 //!
 //! Only what may have changed is looked at again: the pieces, what is left of their paths, and the paths that were laid before these; for all
@@ -105,6 +105,7 @@ fn cut(order: &Order, bad: impl Fn(&Place, &Gouge) -> bool) -> Cut {
         if from < last {
             cut.rest.push(Place::new(part(from, last), first));
         }
+        // What follows is laid after all that was cut, in both orders, so it finds the same built.
         cut.changed = cut.rest.len();
     }
     cut
@@ -119,6 +120,7 @@ fn pieces<'a>(path: &ToolPath, around: impl Iterator<Item = &'a (usize, Gouge)>)
         let from = (0..k).rev().find(is_sample).unwrap_or(0);
         let to = (k + 1..last).find(is_sample).unwrap_or(last);
         match pieces.last_mut() {
+            // The waypoints come by rising number, so a piece can touch the last one alone.
             Some((_, end, worst)) if *end >= from => {
                 *end = to;
                 *worst = if gouge.depth > worst.depth { gouge } else { *worst };
@@ -141,6 +143,7 @@ impl Resolving<'_> {
             }
         }
         let all: Vec<usize> = (0..orders.len()).collect();
+        // All paths once in the order given; from here on only those that a change may concern.
         self.free(&mut orders, &all)?;
         let gouging_before = orders.iter().flatten().map(|place| place.freed.gouging_before).sum();
         if self.options.own_layer && self.options.cut {
@@ -169,6 +172,7 @@ impl Resolving<'_> {
             }
             self.free(orders, &open)?;
             for (k, order) in before {
+                // No fewer are left: the order before is put back with what it came to, so nothing has to be freed again.
                 if left(&orders[k]) >= left(&order) {
                     orders[k] = order;
                     open.retain(|&other| other != k);
@@ -189,6 +193,7 @@ impl Resolving<'_> {
                 };
                 let Cut { pieces, mut rest, .. } = cut(order, too_deep);
                 if !pieces.is_empty() {
+                    // Less is built now. What was free stays free, what was not may be free.
                     rest.iter_mut().for_each(|place| place.open |= !place.freed.left.is_empty());
                     left_out.extend(pieces.iter().filter_map(|(piece, gouge)| LeftOut::new(piece, gouge)));
                     *order = rest;
@@ -220,6 +225,7 @@ impl Resolving<'_> {
             built(self.stack, orders.iter().flatten().map(|Place { laid, .. }| (&laid.path, &laid.touched[..])));
         let starts = starts(orders);
         let scene = |keys| Scene::new(self.stack, keys, self.nozzle, self.options.over_plate());
+        // A path that is laid from its end meets other beads of its own than one from its start.
         let [forward, backward] = [scene(&built.keys), scene(&built.backward)];
         let work = |_: usize, &(k, place): &(usize, usize)| {
             let path = &orders[k][place].laid.path;
@@ -230,6 +236,7 @@ impl Resolving<'_> {
             let Some(back) = back else { return there.freed(layer) };
             let back = back.freed(layer);
             let last = path.waypoints.len() - 1;
+            // Numbers count in the path as it was given.
             let left = back.left.iter().rev().map(|&(k, gouge)| (last - k, gouge)).collect();
             ResolvedPath { reversed: true, left, ..back }
         };

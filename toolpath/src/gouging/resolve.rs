@@ -45,8 +45,8 @@ impl LayerStack<'_> {
     /// let resolved = stack.resolve_gouging(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &silent)?;
     /// // Upright, the side of the cone would cut into the wall; it leans away until it is clear.
     /// assert_eq!((resolved.gouging_before, resolved.left.len()), (11, 0));
-    /// let direction = resolved.paths[0].waypoints[5].direction;
-    /// assert!(direction.x > 0.3 && direction.y.abs() < 0.05, "{direction:?}");
+    /// let axis = resolved.paths[0].waypoints[5].axis;
+    /// assert!(axis.x > 0.3 && axis.y.abs() < 0.05, "{axis:?}");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn resolve_gouging(
@@ -86,8 +86,8 @@ impl LayerStack<'_> {
             }
             let sound = |w: &Waypoint| {
                 let numbers = [w.width, w.height, w.arc];
-                let unit = (w.direction.norm_squared() - 1.0).abs() < 1e-6;
-                unit && numbers.iter().chain(w.tip.iter()).all(|n| n.abs() < 1e9)
+                let unit = (w.axis.norm_squared() - 1.0).abs() < 1e-6;
+                unit && numbers.iter().chain(w.position.iter()).all(|n| n.abs() < 1e9)
             };
             if let Some(waypoint) = path.waypoints.iter().position(|w| !sound(w)) {
                 return Err(GougingError::BadWaypoint { path: number, waypoint });

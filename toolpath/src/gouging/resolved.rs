@@ -92,7 +92,7 @@ impl ResolvedPaths {
         for (start, end) in starts.zip(ends) {
             let (from, turn) = start.unwrap_or((0, 0.0));
             if from > 0 {
-                let gap = (freed.waypoints[from].tip - freed.waypoints[from - 1].tip).norm();
+                let gap = (freed.waypoints[from].position - freed.waypoints[from - 1].position).norm();
                 self.gaps += if gap > freed.waypoints[from].width { gap } else { 0.0 };
             }
             let path = self.paths.len();
@@ -113,6 +113,6 @@ impl ResolvedPaths {
 
     /// Where the tip is at each waypoint, path by path.
     pub fn tips(&self) -> impl Iterator<Item = &Point3<f64>> {
-        self.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| &waypoint.tip)
+        self.paths.iter().flat_map(|path| &path.waypoints).map(|waypoint| &waypoint.position)
     }
 }

@@ -99,6 +99,7 @@ impl Candidates {
         self.left.retain(|(_, direction)| !cap.forbids(direction));
         let nearest = cap.forbids(&self.wanted).then(|| cap.nearest(&self.wanted));
         let meeting = self.caps.iter().flat_map(|other| cap.meet(other)).flatten();
+        // A cap only takes directions away. A new best one lies on its circle: at the nearest point, or where it meets another circle.
         for direction in nearest.into_iter().chain(meeting) {
             let tilt = angle(&self.wanted, &direction);
             if tilt <= self.limit && !cap.forbids(&direction) && !self.caps.iter().any(|cap| cap.forbids(&direction)) {
@@ -188,6 +189,7 @@ impl Scene<'_> {
         let mut candidates = Candidates::new(wanted, limit);
         if self.plate.is_some() {
             let lean = self.nozzle.plate_lean(self.over_plate(stand))?;
+            // The plate as one cap: directions that lean farther than the tip is high enough for.
             candidates.take(Cap::new(-Vector3::z_axis(), PI - lean));
         }
         for _ in 0..ROUNDS {
@@ -200,6 +202,8 @@ impl Scene<'_> {
                     worst
                 }
             };
+            // The point is nearer to the nozzle than its cap keeps, so the cap forbids the direction that was asked about, and the next
+            // one differs.
             candidates.take(cap(&worst)?);
         }
         None

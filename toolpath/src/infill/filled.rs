@@ -52,7 +52,7 @@ pub(crate) fn filled(
     site: &Site,
     progress: ProgressFn,
 ) -> Result<Filled, FillError> {
-    let (mesh, bead, infill) = (field.distance().mesh(), options.bead, options.infill);
+    let (bead, infill) = (options.bead, options.infill);
     // Rows know nothing of the boundary, so they make no walls.
     let pattern = if options.pattern == Pattern::Zigzag { Pattern::Spirals } else { options.pattern };
     let contours = field.contours(&PathOptions { pattern, ..*options }, Some(infill.walls), progress)?;
@@ -62,19 +62,9 @@ pub(crate) fn filled(
         sheet.classify(MIN_BEAD_REACH * bead, if infill.density > 0.0 { MIN_REACH * bead } else { 0.0 })?;
         Ok::<_, FillError>(sheet)
     };
+    // Areas and skins are those between the walls; only what is laid as infill reaches beyond.
     let flush = sheet(0.0)?;
-    if let Some((skin, parents)) = flush.part(|class| class == Class::Skin)? {
-        let options = PathOptions { infill: InfillOptions::default(), ..*options };
-        let on_mesh = OnMesh { mesh, parents: &parents };
-        let found = solid_paths(&skin, &options, progress)?;
-        let regions = paths.regions as u32;
-        let taken = |found: Vec<SurfacePath>| found.into_iter().map(move |path| on_mesh.path(path, regions));
-        paths.regions += found.regions;
-        paths.joints += found.joints;
-        paths.paths.extend(taken(found.paths));
-        paths.short.extend(taken(found.short));
-        // Narrow strips of skin lie between walls and infill: those of the layer are with the walls.
-    }
+    add_skin(&mut paths, field, &flush, options, progress)?;
     let mut sparse = SparseFill::default();
     for (corners, parent) in flush.of(Class::Sparse) {
         sparse.area_mm2 += area(corners);
@@ -83,23 +73,9 @@ pub(crate) fn filled(
     if sparse.area_mm2 > 0.0 && infill.density > 0.0 {
         // Rows and curves reach a little into what is solid around them.
         let anchored = sheet(infill.overlap * bead)?;
-        let region = paths.regions as u32;
         let wanted = pattern::Wanted { bead, infill: &infill, number: site.number, area: sparse.area_mm2 };
-        for (points, closed) in pattern::curves(mesh, &anchored, &wanted)? {
-            let points = points.into_iter().map(|at| PathPoint { at, width: bead, kind: BeadKind::Infill }).collect();
-            let path = SurfacePath { points, closed, region };
-            if path.length() < SHORTEST * bead {
-                continue;
-            }
-            for [from, to] in (0..path.segments()).map(|k| path.segment(k)) {
-                let length = (to.at.position - from.at.position).norm();
-                sparse.infill_mm += length;
-                sparse.infill_mm3 += length * bead * thickness(surface, from.at.triangle);
-            }
-            sparse.curves += 1;
-            paths.paths.push(path);
-        }
-        paths.regions += 1;
+        let curves = pattern::curves(field.distance().mesh(), &anchored, &wanted)?;
+        add_infill(&mut paths, &mut sparse, curves, bead, surface);
     }
     paths.unfilled = field.unfilled(&paths.paths);
     // What curves cover depends on it; where they cross and turn does not, and is found sooner on the mesh that is not refined.
@@ -107,6 +83,54 @@ pub(crate) fn filled(
     let solid_mm2 =
         [Class::Wall, Class::Skin].iter().flat_map(|class| flush.of(*class)).map(|(corners, _)| area(corners)).sum();
     Ok(Filled { paths, sparse, solid, solid_mm2: Some(solid_mm2) })
+}
+
+/// Fills the skin as a surface of its own, whose boundary is that between skin and walls or infill. Its regions come after those of the walls.
+fn add_skin(
+    paths: &mut LayerPaths,
+    field: &LevelField,
+    flush: &Sheet,
+    options: &PathOptions,
+    progress: ProgressFn,
+) -> Result<(), FillError> {
+    let Some((skin, parents)) = flush.part(|class| class == Class::Skin)? else { return Ok(()) };
+    let options = PathOptions { infill: InfillOptions::default(), ..*options };
+    let on_mesh = OnMesh { mesh: field.distance().mesh(), parents: &parents };
+    let found = solid_paths(&skin, &options, progress)?;
+    let regions = paths.regions as u32;
+    let taken = |found: Vec<SurfacePath>| found.into_iter().map(move |path| on_mesh.path(path, regions));
+    paths.regions += found.regions;
+    paths.joints += found.joints;
+    paths.paths.extend(taken(found.paths));
+    paths.short.extend(taken(found.short));
+    // Narrow strips of skin lie between walls and infill: those of the layer are with the walls.
+    Ok(())
+}
+
+/// Adds the curves of sparse infill that are long enough, all as one region, and counts what they take.
+fn add_infill(
+    paths: &mut LayerPaths,
+    sparse: &mut SparseFill,
+    curves: Vec<pattern::Curve>,
+    bead: f64,
+    surface: &LayerSurface,
+) {
+    let region = paths.regions as u32;
+    for (points, closed) in curves {
+        let points = points.into_iter().map(|at| PathPoint { at, width: bead, kind: BeadKind::Infill }).collect();
+        let path = SurfacePath { points, closed, region };
+        if path.length() < SHORTEST * bead {
+            continue;
+        }
+        for [from, to] in (0..path.segments()).map(|k| path.segment(k)) {
+            let length = (to.at.position - from.at.position).norm();
+            sparse.infill_mm += length;
+            sparse.infill_mm3 += length * bead * thickness(surface, from.at.triangle);
+        }
+        sparse.curves += 1;
+        paths.paths.push(path);
+    }
+    paths.regions += 1;
 }
 
 fn area([a, b, c]: [Point3<f64>; 3]) -> f64 {

@@ -56,7 +56,7 @@ pub(super) struct Wanted<'a> {
 }
 
 /// A curve, and whether it is closed.
-type Curve = (Vec<SurfacePoint>, bool);
+pub(super) type Curve = (Vec<SurfacePoint>, bool);
 
 /// The curves on the sparse part of a sheet, by points of the mesh of the layer.
 pub(super) fn curves(mesh: &SurfaceMesh, sheet: &Sheet, wanted: &Wanted) -> Result<Vec<Curve>, FillError> {

@@ -190,7 +190,7 @@ fn grown(surface: &LayerSurface, counts: &[f64], skin: usize, growth: f64) -> Ve
     edges.sort_unstable();
     edges.dedup();
     let length = |[a, b]: [u32; 2]| (surface.vertices[a as usize] - surface.vertices[b as usize]).norm();
-    // Farther than this nobody asks.
+    // No caller asks for more than this.
     let longest = edges.iter().map(|&edge| length(edge)).fold(growth, f64::max);
     let far = 4.0 * longest;
     let mut away = vec![far; counts.len()];

@@ -94,7 +94,7 @@ impl LayerStack<'_> {
     /// let stack = LayerStack::new(&layers)?.on_mould(&Mould { vertices: &mould, triangles: &triangles, thickness: 0.8 })?;
     /// let oriented = stack.orient(&OrientOptions::default(), &silent)?;
     /// let away = Vector3::new(-1.0, 0.0, 1.0).normalize();
-    /// assert!(oriented.paths[0].waypoints.iter().all(|at| (at.direction.into_inner() - away).norm() < 1e-9));
+    /// assert!(oriented.paths[0].waypoints.iter().all(|at| (at.axis.into_inner() - away).norm() < 1e-9));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn on_mould(self, mould: &Mould) -> Result<Self, StackError> {

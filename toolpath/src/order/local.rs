@@ -29,6 +29,7 @@ pub(super) fn order(
     let mut given: Vec<Way> = choice.iter().map(|ways| ways[0]).collect();
     let mut near = nearest(choice, from);
     improve(&mut near, curves, from, to, watch)?;
+    // From two starts: neither is always the better one.
     improve(&mut given, curves, from, to, watch)?;
     Ok(if length(&given, from, to) < length(&near, from, to) { given } else { near })
 }
@@ -65,6 +66,7 @@ pub(super) fn improve(
     watch: Watch,
 ) -> Result<(), OrderError> {
     let mut search = Search { order, curves, from, to, least: 0.0, steps: 0, next_report: 0, watch };
+    // Gains below this are rounding: without a least gain two orders of one length could follow each other for ever.
     search.least = MIN_GAIN * length(search.order, from, to);
     while search.steps < MAX_STEPS && (search.turn()? | search.shift()?) {}
     Ok(())
@@ -106,6 +108,7 @@ impl Search<'_> {
             for j in i..self.order.len() {
                 let (before, behind) = (self.before(i), self.after(j));
                 let (start, end) = (Some(self.order[i].start), Some(self.order[j].end));
+                // Turned round, the ways inside of the part are as long as before: only those at its ends change.
                 let now = gap(before, start) + gap(end, behind);
                 if now - gap(before, end) - gap(start, behind) > self.least {
                     self.reverse(i, j);
@@ -135,6 +138,7 @@ impl Search<'_> {
             for i in 0..=count - size {
                 let (start, end) = (Some(self.order[i].start), Some(self.order[i + size - 1].end));
                 let (before, behind) = (self.before(i), self.after(i + size - 1));
+                // What the part costs where it is.
                 let freed = gap(before, start) + gap(end, behind) - gap(before, behind);
                 // Between place k - 1 and place k, which are not of the part.
                 let mut best: Option<(f64, usize, bool)> = None;

@@ -115,10 +115,12 @@ fn forward(
         let found: Vec<(f64, Vec<Way>, usize)> = if exact::fits(choice) {
             exact::orders(choice, &ends)
         } else {
+            // Too many curves to go on from each end: from the best one alone.
             let from = (0..ends.len()).fold(0, |best, k| if ends[k].0 < ends[best].0 { k } else { best });
             let order = local::order(choice, curves, ends[from].1, None, &|| watch(done))?;
             vec![(ends[from].0 + length(&order, ends[from].1, None), order, from)]
         };
+        // A layer without curves changes no end, and hands each of them on.
         if choice.is_empty() {
             orders.push((0..ends.len()).map(|k| (Vec::new(), Some(k))).collect());
             continue;
@@ -150,6 +152,7 @@ fn polish(
         let before = total(layers);
         for k in (0..layers.len()).filter(|&k| !choices[k].is_empty()) {
             watch()?;
+            // Past layers without curves.
             let from = layers[..k].iter().rev().find_map(|layer| layer.last()).map(|way| way.end);
             let to = layers[k + 1..].iter().find_map(|layer| layer.first()).map(|way| way.start);
             if !exact::fits(&choices[k]) {

@@ -90,6 +90,7 @@ pub(super) fn ways(curve: &TravelCurve, number: u32) -> Vec<Way> {
     let count = curve.points.len();
     if curve.closed {
         let starts = count.min(STARTS);
+        // A few starts all around suffice to order curves; the best one is chosen once the order is known.
         return (0..starts).map(|k| Way::new(curve, number, k * count / starts, false)).collect();
     }
     let given = Way::new(curve, number, 0, false);

@@ -101,7 +101,7 @@ impl Turns {
     /// use curvlay_toolpath::nalgebra::{Point3, Vector3};
     /// use curvlay_toolpath::orientation::{ToolPath, Turns, Waypoint};
     /// use curvlay_toolpath::path::BeadKind;
-    /// let waypoint = |direction| Waypoint { tip: Point3::origin(), direction, width: 0.8, height: 0.8, arc: 0.0, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
+    /// let waypoint = |axis| Waypoint { position: Point3::origin(), axis, width: 0.8, height: 0.8, arc: 0.0, added: false, lift: Vector3::zeros(), kind: BeadKind::Wall };
     /// let waypoints = [Vector3::z_axis(), Vector3::z_axis(), Vector3::x_axis()].map(waypoint).to_vec();
     /// let turns = Turns::of(&[ToolPath { layer: 0, curve: 0, closed: false, waypoints }]);
     /// assert_eq!((turns.steps, turns.largest.to_degrees(), turns.mean.to_degrees()), (2, 90.0, 45.0));
@@ -110,7 +110,7 @@ impl Turns {
         let mut turns = Turns::default();
         let mut sum = 0.0;
         for pair in paths.iter().flat_map(|path| path.waypoints.windows(2)) {
-            let turn = angle(&pair[0].direction, &pair[1].direction);
+            let turn = angle(&pair[0].axis, &pair[1].axis);
             turns.steps += 1;
             turns.largest = turns.largest.max(turn);
             sum += turn;
@@ -119,11 +119,11 @@ impl Turns {
             for (k, from) in path.waypoints.iter().enumerate() {
                 let mut way = 0.0;
                 for (next, pair) in path.waypoints[k..].windows(2).enumerate() {
-                    way += (pair[1].tip - pair[0].tip).norm();
+                    way += (pair[1].position - pair[0].position).norm();
                     if way > 1.0 && next > 0 {
                         break;
                     }
-                    let turn = angle(&from.direction, &pair[1].direction);
+                    let turn = angle(&from.axis, &pair[1].axis);
                     turns.max_per_mm = turns.max_per_mm.max(turn / f64::max(way, 1.0));
                 }
             }
@@ -262,7 +262,7 @@ impl LayerStack<'_> {
     /// let oriented = stack.orient(&OrientOptions::default(), &|_| ControlFlow::Continue(()))?;
     /// let waypoints = &oriented.paths[0].waypoints;
     /// assert_eq!(waypoints.len(), 9); // steps of 1.025 mm
-    /// assert_eq!((waypoints[0].tip, waypoints[0].direction), (Point3::new(1.0, 5.0, 0.8), Vector3::z_axis()));
+    /// assert_eq!((waypoints[0].position, waypoints[0].axis), (Point3::new(1.0, 5.0, 0.8), Vector3::z_axis()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn orient(&self, options: &OrientOptions, progress: ProgressFn) -> Result<Oriented, OrientError> {
@@ -299,7 +299,7 @@ impl LayerStack<'_> {
             self.share(&mut oriented.paths, progress).ok_or(OrientError::Cancelled)?;
         }
         for waypoint in oriented.paths.iter_mut().flat_map(|path| &mut path.waypoints) {
-            waypoint.tip += waypoint.direction.into_inner() * (options.lift * waypoint.height);
+            waypoint.position += waypoint.axis.into_inner() * (options.lift * waypoint.height);
         }
         oriented.after = Turns::of(&oriented.paths);
         oriented.sharp = sharp_turns(&oriented.paths, options.max_turn);
@@ -332,8 +332,8 @@ impl LayerStack<'_> {
             let (direction, by_point) = toward::toward(self, layer as u32, tip, &ground, normal);
             sampled.by_normal += usize::from(!by_point);
             sampled.waypoints.push(Waypoint {
-                tip,
-                direction,
+                position: tip,
+                axis: direction,
                 width,
                 height: ground.height,
                 arc,
@@ -348,11 +348,11 @@ impl LayerStack<'_> {
 
 /// Filters the directions of a path and adds points.
 fn smoothed(path: &mut ToolPath, options: &OrientOptions) {
-    let mut directions: Vec<_> = path.waypoints.iter().map(|waypoint| waypoint.direction).collect();
+    let mut directions: Vec<_> = path.waypoints.iter().map(|waypoint| waypoint.axis).collect();
     let arcs: Vec<f64> = path.waypoints.iter().map(|waypoint| waypoint.arc).collect();
     steady::steady(&mut directions, &arcs, options.wave, options.max_tilt);
     smooth::low_pass(&mut directions, options.max_turn, options.low_pass_rounds);
-    path.waypoints.iter_mut().zip(directions).for_each(|(waypoint, direction)| waypoint.direction = direction);
+    path.waypoints.iter_mut().zip(directions).for_each(|(waypoint, direction)| waypoint.axis = direction);
     let mut waypoints: Vec<Waypoint> = Vec::with_capacity(path.waypoints.len());
     for waypoint in &path.waypoints {
         if let Some(last) = waypoints.last().copied() {
@@ -367,7 +367,7 @@ fn smoothed(path: &mut ToolPath, options: &OrientOptions) {
 fn sharp_turns(paths: &[ToolPath], limit: f64) -> Vec<SharpTurn> {
     let of_path = |(path, waypoints): (usize, &ToolPath)| -> Vec<SharpTurn> {
         let turn = |(waypoint, pair): (usize, &[Waypoint])| {
-            let angle = angle(&pair[0].direction, &pair[1].direction);
+            let angle = angle(&pair[0].axis, &pair[1].axis);
             (angle > limit + TURN_ROUNDING).then_some(SharpTurn { path, waypoint, angle })
         };
         waypoints.waypoints.windows(2).enumerate().filter_map(turn).collect()

@@ -54,16 +54,16 @@ pub(super) fn low_pass(directions: &mut [UnitVector3<f64>], limit: f64, rounds: 
 
 /// The waypoints to be put between two that differ by more than `limit`, evenly; none if they do not or are opposite.
 pub(crate) fn between(from: &Waypoint, to: &Waypoint, limit: f64) -> Vec<Waypoint> {
-    let parts = (angle(&from.direction, &to.direction) / limit - TURN_ROUNDING).ceil().max(1.0) as usize;
+    let parts = (angle(&from.axis, &to.axis) / limit - TURN_ROUNDING).ceil().max(1.0) as usize;
     (1..parts).filter_map(|k| part_way(from, to, k as f64 / parts as f64)).collect()
 }
 
 /// The waypoint a share of the way from one to another; none if they are opposite.
 pub(crate) fn part_way(from: &Waypoint, to: &Waypoint, share: f64) -> Option<Waypoint> {
     let mix = |a: f64, b: f64| a + (b - a) * share;
-    along(&from.direction, &to.direction, share).map(|direction| Waypoint {
-        tip: from.tip + (to.tip - from.tip) * share,
-        direction,
+    along(&from.axis, &to.axis, share).map(|direction| Waypoint {
+        position: from.position + (to.position - from.position) * share,
+        axis: direction,
         width: mix(from.width, to.width),
         height: mix(from.height, to.height),
         arc: mix(from.arc, to.arc),

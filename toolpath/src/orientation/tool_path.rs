@@ -6,10 +6,10 @@ use nalgebra::{Point3, UnitVector3, Vector3};
 /// Where the nozzle is, how it stands and what it lays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waypoint {
-    /// The tip of the nozzle, in millimetres.
-    pub tip: Point3<f64>,
-    /// The direction in which material is laid: from the tip into the nozzle.
-    pub direction: UnitVector3<f64>,
+    /// Where the tip of the nozzle is, in millimetres.
+    pub position: Point3<f64>,
+    /// Axis of the nozzle, from the tip into it. Material leaves the tip against this direction.
+    pub axis: UnitVector3<f64>,
     /// Width of the bead, in millimetres.
     pub width: f64,
     /// Height of the bead: the thickness of the layer here, in millimetres.
@@ -28,7 +28,7 @@ pub struct Waypoint {
 impl Waypoint {
     /// The top of the bead: the tip where it is not raised.
     pub fn bead_top(&self) -> Point3<f64> {
-        self.tip - self.lift
+        self.position - self.lift
     }
 }
 

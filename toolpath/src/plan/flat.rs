@@ -42,7 +42,7 @@ impl LayerStack<'_> {
     /// let (nozzle, options) = (Nozzle::default(), PrintOptions::default());
     /// let plan = LayerStack::new(&layers)?.plan_along(&[Vector3::x_axis()], &nozzle, &options, &|_| ControlFlow::Continue(()))?;
     /// let first = plan.resolved.paths[0].waypoints[0];
-    /// assert_eq!((first.tip, first.direction), (Point3::new(0.8, 1.0, 14.0), Vector3::x_axis()));
+    /// assert_eq!((first.position, first.axis), (Point3::new(0.8, 1.0, 14.0), Vector3::x_axis()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn plan_along(
@@ -78,7 +78,7 @@ impl LayerStack<'_> {
 /// Gives all waypoints a direction, and lifts the tip along it from the surface, in heights of the layer.
 fn stand(path: &mut ToolPath, direction: UnitVector3<f64>, lift: f64) {
     for waypoint in &mut path.waypoints {
-        waypoint.direction = direction;
-        waypoint.tip += direction.into_inner() * (lift * waypoint.height);
+        waypoint.axis = direction;
+        waypoint.position += direction.into_inner() * (lift * waypoint.height);
     }
 }

@@ -68,7 +68,43 @@ pub fn path_statistics(
     let report =
         |stage, done: usize, total: usize| progress(Progress { stage, done: done as u64, total: total as u64 });
 
-    let tracer = Tracer { locator: Locator::new(&sheet), sheet: &sheet, step };
+    let mut laid = laid(&sheet, step, curves, options, &report)?;
+    let closed: Vec<bool> = laid.iter().map(|l| l.closed).collect();
+    let pieces: Vec<curve::Piece> = laid.iter_mut().flat_map(|l| std::mem::take(&mut l.pieces)).collect();
+    let statistics = PathStatistics { step_mm: step, ..of_curves(&sheet, curves, &laid, &pieces, &closed) };
+    let Some(mut raster) = raster else { return Ok(statistics) };
+
+    let pieces = straight::straightened(&pieces, step);
+    let mut walker = Walker::new(&sheet);
+    let spilled = deposited(&mut raster, &mut walker, (&laid, &pieces), step, &report)?;
+    let mut tick = |done: usize, total: usize| match done % PIECES_A_TICK {
+        0 => report("gap", done, total),
+        _ => ControlFlow::Continue(()),
+    };
+    let largest_gap = gap::largest(&raster, &mut walker, &pieces, &mut tick)?;
+    let out_of_reach = match 0.5 * options.min_width_mm {
+        radius if radius > 0.0 => fillable::out_of_reach(&raster, &mut walker, [radius, step], &mut tick)?,
+        _ => vec![false; raster.samples()],
+    };
+    Ok(PathStatistics {
+        spill_fraction: spilled.max(0.0) / sheet.area,
+        largest_gap,
+        ..of_areas(&raster, &out_of_reach, statistics)
+    })
+}
+
+/// Called with a stage, how much of it is done, and how much there is.
+type Report<'a> = &'a dyn Fn(&'static str, usize, usize) -> ControlFlow<()>;
+
+/// Curves as pieces that lie in a triangle each. A curve without points is kept: curves are known by their numbers.
+fn laid(
+    sheet: &Sheet,
+    step: f64,
+    curves: &[BeadCurve],
+    options: &StatisticsOptions,
+    report: Report,
+) -> Result<Vec<curve::DepositedCurve>, StatisticsError> {
+    let tracer = Tracer { locator: Locator::new(sheet), sheet, step };
     let mut laid = Vec::with_capacity(curves.len());
     for (number, curve) in curves.iter().enumerate() {
         if report("curves", number, curves.len()).is_break() {
@@ -79,50 +115,50 @@ pub fn path_statistics(
             false => curve::lay(&tracer, number as u32, curve, options)?,
         });
     }
-    let closed: Vec<bool> = laid.iter().map(|l| l.closed).collect();
-    let rounds: Vec<f32> = laid.iter().map(|l| if l.closed { l.widths as f32 } else { f32::INFINITY }).collect();
-    let pieces: Vec<curve::Piece> = laid.iter_mut().flat_map(|l| std::mem::take(&mut l.pieces)).collect();
+    Ok(laid)
+}
 
-    let mut statistics = of_curves(&sheet, curves, &laid, &pieces, &closed);
-    statistics.step_mm = step;
-    let Some(mut raster) = raster else { return Ok(statistics) };
-    let pieces = straight::straightened(&pieces, step);
-    let mut walker = Walker::new(&sheet);
+/// Lays all beads on the raster. Gives the area that they have beside the surface: along their sides where these cross the boundary, in the
+/// fans of their ends and turns, and where they are off it altogether.
+fn deposited(
+    raster: &mut Raster,
+    walker: &mut Walker,
+    (laid, pieces): (&[curve::DepositedCurve], &[curve::Piece]),
+    step: f64,
+    report: Report,
+) -> Result<f64, StatisticsError> {
+    let sheet = raster.sheet;
+    // Along a closed curve the way back to the start may be the shorter one.
+    let rounds: Vec<f32> = laid.iter().map(|l| if l.closed { l.widths as f32 } else { f32::INFINITY }).collect();
     let mut spilled = 0.0;
     for (done, piece) in pieces.iter().enumerate() {
         if done % PIECES_A_TICK == 0 && report("beads", done, pieces.len()).is_break() {
             return Err(StatisticsError::Cancelled);
         }
-        if raster.deposit(&mut walker, piece, rounds[piece.curve as usize]) {
-            spilled += spill::beside(&sheet, piece, step);
+        if raster.deposit(walker, piece, rounds[piece.curve as usize]) {
+            spilled += spill::beside(sheet, piece, step);
         }
     }
-    spilled += laid.iter().flat_map(|l| &l.fans).map(|fan| spill::around(&sheet, fan)).sum::<f64>();
+    spilled += laid.iter().flat_map(|l| &l.fans).map(|fan| spill::around(sheet, fan)).sum::<f64>();
     spilled += laid.iter().map(|l| l.off_area).sum::<f64>();
-    let mut tick = |done: usize, total: usize| match done % PIECES_A_TICK {
-        0 => report("gap", done, total),
-        _ => ControlFlow::Continue(()),
-    };
-    let largest_gap = gap::largest(&raster, &mut walker, &pieces, &mut tick)?;
-    let out_of_reach = match 0.5 * options.min_width_mm {
-        radius if radius > 0.0 => fillable::out_of_reach(&raster, &mut walker, [radius, step], &mut tick)?,
-        _ => vec![false; raster.samples()],
-    };
+    Ok(spilled)
+}
 
+/// Adds what samples say of areas: shares of the whole surface, and of what a bead can reach.
+fn of_areas(raster: &Raster, out_of_reach: &[bool], of_curves: PathStatistics) -> PathStatistics {
+    let sheet = raster.sheet;
     let once = raster.area(|sample| !raster.is_bare(sample));
     let twice = raster.area(|sample| raster.is_twice(sample));
     let unfillable = raster.area(|sample| out_of_reach[sample]);
     let filled = raster.area(|sample| !raster.is_bare(sample) && !out_of_reach[sample]);
-    Ok(PathStatistics {
+    PathStatistics {
         covered_fraction: once / sheet.area,
         unfillable_fraction: (unfillable / sheet.area).min(1.0),
         filled_fraction: if unfillable < sheet.area { filled / (sheet.area - unfillable) } else { 1.0 },
         overlap_fraction: twice / sheet.area,
-        spill_fraction: spilled.max(0.0) / sheet.area,
-        largest_gap,
         samples: raster.samples(),
-        ..statistics
-    })
+        ..of_curves
+    }
 }
 
 /// What is known of curves without looking at areas.

@@ -103,6 +103,119 @@ pub(super) struct Tracer<'s> {
     pub step: f64,
 }
 
+/// Sections longer than this many chords go astray: they run around something.
+const MAX_CHORDS: f64 = 3.0;
+
+/// The section of the surface with the plane through a chord that stands on it.
+struct Section<'s> {
+    sheet: &'s Sheet,
+    start: Vector3<f64>,
+    chord: Vector3<f64>,
+    /// Normal of the plane.
+    across: Vector3<f64>,
+}
+
+/// Where a section leaves a triangle: the edge, by its first corner, and the point on it.
+#[derive(Clone, Copy)]
+struct Exit {
+    edge: usize,
+    weights: [i64; 3],
+}
+
+impl Section<'_> {
+    /// On which side of the plane a vertex lies.
+    fn side(&self, v: u32) -> f64 {
+        (self.sheet.points[v as usize] - self.start).dot(&self.across)
+    }
+
+    /// Where the section leaves a triangle through an edge. Only the signs of vertices decide whether it does, and a vertex has one sign for
+    /// all of its triangles: so a section that enters a triangle leaves it again, whatever is rounded.
+    fn through(&self, t: u32, edge: usize) -> Option<Exit> {
+        let corners = self.sheet.flats[t as usize].corners;
+        let (v, w) = (corners[edge], corners[(edge + 1) % 3]);
+        let (f, g) = (self.side(v), self.side(w));
+        ((f > 0.0) != (g > 0.0)).then(|| {
+            let mut weights = [0; 3];
+            // From the lower vertex on, so that both triangles agree.
+            let share = if v < w { f / (f - g) } else { 1.0 - g / (g - f) };
+            let steps = ((share * STEPS as f64).round() as i64).clamp(0, STEPS);
+            (weights[edge], weights[(edge + 1) % 3]) = (STEPS - steps, steps);
+            Exit { edge, weights }
+        })
+    }
+
+    fn position(&self, triangle: u32, weights: [i64; 3]) -> Vector3<f64> {
+        Spot { triangle, weights }.position(self.sheet)
+    }
+
+    /// The first step: of all ways out of the triangles at the start the one that leads on farthest. Edges through the start itself are no
+    /// ways out.
+    fn first_exit(&self, from: Spot, start: &[u32]) -> Option<(u32, Exit)> {
+        let mut first: Option<(f64, u32, Exit)> = None;
+        for &triangle in start {
+            let Some(here) = from.seen_from(self.sheet, triangle) else { continue };
+            for edge in (0..3).filter(|&k| here[(k + 2) % 3] != 0) {
+                if let Some(exit) = self.through(triangle, edge) {
+                    let gain = (self.position(triangle, exit.weights) - self.start).dot(&self.chord);
+                    if gain > first.map_or(0.0, |f| f.0) {
+                        first = Some((gain, triangle, exit));
+                    }
+                }
+            }
+        }
+        first.map(|(_, triangle, exit)| (triangle, exit))
+    }
+
+    /// Goes from triangle to triangle until one has the other spot. False if the section ends at the boundary, leads back, or becomes too long.
+    fn follow(
+        &self,
+        (mut triangle, mut entry, mut exit): (u32, [i64; 3], Exit),
+        to: Spot,
+        hops: &mut Vec<Option<Hop>>,
+    ) -> bool {
+        let sheet = self.sheet;
+        let longest = MAX_CHORDS * self.chord.norm();
+        let mut travelled = 0.0;
+        // A section enters each triangle at most once.
+        for _ in 0..sheet.flats.len() {
+            if entry != exit.weights {
+                hops.push(Some(Hop { triangle, weights: [entry, exit.weights] }));
+                travelled += (self.position(triangle, exit.weights) - self.position(triangle, entry)).norm();
+            }
+            let Some(across) = sheet.across[triangle as usize][exit.edge] else { return false };
+            let out = Spot { triangle, weights: exit.weights };
+            let Some(weights) = out.seen_from(sheet, across.triangle) else { return false };
+            (triangle, entry) = (across.triangle, weights);
+            if let Some(last) = to.seen_from(sheet, triangle) {
+                if entry != last {
+                    hops.push(Some(Hop { triangle, weights: [entry, last] }));
+                }
+                return true;
+            }
+            let mut ways = (0..3).filter(|&k| k != across.edge as usize);
+            let Some(next) = ways.find_map(|k| self.through(triangle, k)) else { return false };
+            exit = next;
+            if travelled > longest {
+                return false;
+            }
+        }
+        false
+    }
+}
+
+/// The segment between two spots that a triangle has both of. False, and nothing added, if none has.
+fn in_one_triangle(sheet: &Sheet, start: &[u32], from: Spot, to: Spot, hops: &mut Vec<Option<Hop>>) -> bool {
+    for &triangle in start {
+        if let (Some(a), Some(b)) = (from.seen_from(sheet, triangle), to.seen_from(sheet, triangle)) {
+            if a != b {
+                hops.push(Some(Hop { triangle, weights: [a, b] }));
+            }
+            return true;
+        }
+    }
+    false
+}
+
 /// An end of a part of a chord: where in space, and where on the surface if it is there.
 #[derive(Clone, Copy)]
 struct End {
@@ -164,13 +277,8 @@ impl Tracer<'_> {
     fn connect(&self, from: Spot, to: Spot, hops: &mut Vec<Option<Hop>>) -> bool {
         let sheet = self.sheet;
         let start = from.triangles(sheet);
-        for &triangle in &start {
-            if let (Some(a), Some(b)) = (from.seen_from(sheet, triangle), to.seen_from(sheet, triangle)) {
-                if a != b {
-                    hops.push(Some(Hop { triangle, weights: [a, b] }));
-                }
-                return true;
-            }
+        if in_one_triangle(sheet, &start, from, to, hops) {
+            return true;
         }
         let (p, q) = (from.position(sheet), to.position(sheet));
         if self.around_vertex((from, p), (to, q), hops) {
@@ -178,66 +286,19 @@ impl Tracer<'_> {
         }
         let (n, m) = (sheet.normal(from.triangle), sheet.normal(to.triangle));
         let chord = q - p;
+        // Both normals count alike, so the section is the same from either end; faces that are turned over do not cancel out.
         let across = chord.cross(&if n.dot(&m) < 0.0 { n - m } else { n + m });
-        let side = |v: u32| (sheet.points[v as usize] - p).dot(&across);
-        let place = |t: u32, weights: [i64; 3]| Spot { triangle: t, weights }.position(sheet);
-        // Where the section leaves a triangle through an edge.
-        let through = |t: u32, k: usize| {
-            let corners = sheet.flats[t as usize].corners;
-            let (v, w) = (corners[k], corners[(k + 1) % 3]);
-            let (f, g) = (side(v), side(w));
-            ((f > 0.0) != (g > 0.0)).then(|| {
-                let mut weights = [0; 3];
-                // From the lower vertex on, so that both triangles agree.
-                let share = if v < w { f / (f - g) } else { 1.0 - g / (g - f) };
-                let steps = ((share * STEPS as f64).round() as i64).clamp(0, STEPS);
-                (weights[k], weights[(k + 1) % 3]) = (STEPS - steps, steps);
-                weights
-            })
-        };
-        // The first step: of all ways out of the triangles at the start the one that leads on farthest.
-        let mut first: Option<(f64, u32, usize, [i64; 3])> = None;
-        for &triangle in &start {
-            let Some(here) = from.seen_from(sheet, triangle) else { continue };
-            for k in (0..3).filter(|&k| here[(k + 2) % 3] != 0) {
-                if let Some(weights) = through(triangle, k) {
-                    let gain = (place(triangle, weights) - p).dot(&chord);
-                    if gain > first.map_or(0.0, |f| f.0) {
-                        first = Some((gain, triangle, k, weights));
-                    }
-                }
-            }
-        }
-        let Some((_, mut triangle, mut edge, mut out)) = first else { return false };
-        let Some(mut entry) = from.seen_from(sheet, triangle) else { return false };
+        let section = Section { sheet, start: p, chord, across };
+        let Some((triangle, exit)) = section.first_exit(from, &start) else { return false };
+        let Some(entry) = from.seen_from(sheet, triangle) else { return false };
         let kept = hops.len();
-        let longest = 3.0 * chord.norm();
-        let mut travelled = 0.0;
-        // A section enters each triangle at most once.
-        for _ in 0..sheet.flats.len() {
-            if entry != out {
-                hops.push(Some(Hop { triangle, weights: [entry, out] }));
-                travelled += (place(triangle, out) - place(triangle, entry)).norm();
-            }
-            let Some(across) = sheet.across[triangle as usize][edge] else { break };
-            let Some(weights) = (Spot { triangle, weights: out }).seen_from(sheet, across.triangle) else { break };
-            (triangle, entry) = (across.triangle, weights);
-            if let Some(last) = to.seen_from(sheet, triangle) {
-                if entry != last {
-                    hops.push(Some(Hop { triangle, weights: [entry, last] }));
-                }
-                return true;
-            }
-            let ways = (0..3).filter(|&k| k != across.edge as usize);
-            let Some((k, weights)) = ways.filter_map(|k| through(triangle, k).map(|w| (k, w))).next() else { break };
-            (edge, out) = (k, weights);
-            if travelled > longest {
-                break;
-            }
+        let arrives = section.follow((triangle, entry, exit), to, hops);
+        if !arrives {
+            hops.truncate(kept);
         }
-        hops.truncate(kept);
-        false
+        arrives
     }
+
     /// The way through a vertex of triangles of both spots, if it is no detour: a section along the boundary, or along
     /// edges, may miss both. False, and nothing added, if there is none.
     fn around_vertex(&self, from: (Spot, Vector3<f64>), to: (Spot, Vector3<f64>), hops: &mut Vec<Option<Hop>>) -> bool {

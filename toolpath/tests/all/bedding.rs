@@ -20,8 +20,8 @@ fn go(_: curvlay_toolpath::Progress) -> ControlFlow<()> {
 
 fn bead(layer: u32, y: f64, ends: [f64; 2]) -> ToolPath {
     let at = |x: f64| Waypoint {
-        tip: Point3::new(x, y, H * f64::from(layer + 1)),
-        direction: Vector3::z_axis(),
+        position: Point3::new(x, y, H * f64::from(layer + 1)),
+        axis: Vector3::z_axis(),
         width: 1.0,
         height: H,
         arc: x - ends[0],
@@ -223,8 +223,8 @@ fn normals_need_no_upright() {
         .iter()
         .map(|path| {
             let waypoint = |at: &Waypoint| Waypoint {
-                tip: turn * at.tip,
-                direction: UnitVector3::new_unchecked(turn * at.direction.into_inner()),
+                position: turn * at.position,
+                axis: UnitVector3::new_unchecked(turn * at.axis.into_inner()),
                 ..*at
             };
             ToolPath { waypoints: path.waypoints.iter().map(waypoint).collect(), ..path.clone() }

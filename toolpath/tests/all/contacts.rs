@@ -3,6 +3,7 @@
 //! The slow twin prints the samples once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on all their sheets against the nozzle.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers, rng};
 
 use creases::{H, PIECE, last_touched, rows, sheets_by_triangle, slow_depth};
@@ -28,7 +29,7 @@ fn with_contacts<T>(
     options: &GougingOptions,
     work: impl FnOnce(&Contacts) -> T,
 ) -> T {
-    with_stack(layers, |stack| work(&stack.contacts(paths, &Nozzle::default(), options, &go_on).unwrap()))
+    with_stack(layers, |stack| work(&stack.contacts(paths, &tip_1_mm(), options, &go_on).unwrap()))
 }
 
 fn upright(tip: [f64; 3]) -> Pose {
@@ -44,7 +45,7 @@ fn direction(rng: &mut impl RngExt, lean: f64) -> UnitVector3<f64> {
 fn agrees(contacts: &Contacts, resolved: &ResolvedPaths) {
     for (path, of_path) in resolved.paths.iter().enumerate() {
         for (waypoint, w) in of_path.waypoints.iter().enumerate() {
-            let (moment, pose) = (Moment::At { path, waypoint }, Pose { tip: w.tip, direction: w.direction });
+            let (moment, pose) = (Moment::At { path, waypoint }, Pose { tip: w.position, direction: w.axis });
             let left = resolved.left.iter().find(|gouge| (gouge.path, gouge.waypoint) == (path, waypoint));
             let found = contacts.deepest(moment, &pose).unwrap();
             assert_eq!(found.map(|c| (c.obstacle, c.depth, c.part)), left.map(|g| (g.obstacle, g.depth, g.part)));
@@ -66,7 +67,7 @@ fn two_layers(seed: u64) -> (Vec<Layer>, Vec<ToolPath>) {
     let mut above = paths.clone();
     for path in &mut above {
         path.layer = 1;
-        path.waypoints.iter_mut().for_each(|w| w.tip += up);
+        path.waypoints.iter_mut().for_each(|w| w.position += up);
     }
     (vec![layer, higher], [paths, above].concat())
 }
@@ -83,8 +84,8 @@ fn it_agrees_with_free_at_each_waypoint() {
         }
         let options = GougingOptions { max_turn: 30_f64.to_radians(), own_layer: seed != 2, ..no_plate() };
         with_stack(&layers, |stack| {
-            let resolved = stack.resolve_gouging(paths.clone(), &Nozzle::default(), &options, &go_on).unwrap();
-            agrees(&stack.contacts(&resolved.paths, &Nozzle::default(), &options, &go_on).unwrap(), &resolved);
+            let resolved = stack.resolve_gouging(paths.clone(), &tip_1_mm(), &options, &go_on).unwrap();
+            agrees(&stack.contacts(&resolved.paths, &tip_1_mm(), &options, &go_on).unwrap(), &resolved);
             left += resolved.left.len();
             added += resolved.added;
             changed += resolved.laid_first.len() + resolved.reversed.len();
@@ -121,7 +122,7 @@ fn asked(seed: u64, paths: &[ToolPath]) -> Vec<(Moment, Vec<Pose>)> {
         let pose = |_| {
             let near = paths[rng.random_range(0..paths.len())].waypoints[rng.random_range(0..20)];
             let by = Vector3::from([0; 3].map(|_| rng.random_range(-1.5..1.5)));
-            Pose { tip: near.tip + by, direction: direction(&mut rng, PI) }
+            Pose { tip: near.position + by, direction: direction(&mut rng, PI) }
         };
         (moment, (0..12).map(pose).collect())
     };
@@ -151,9 +152,9 @@ proptest! {
                             let v = c.point - pose.tip;
                             let z = v.dot(&pose.direction);
                             let rho = (v - pose.direction.into_inner() * z).norm();
-                            let clearance = Nozzle::default().clearance(z, rho);
+                            let clearance = tip_1_mm().clearance(z, rho);
                             prop_assert!((c.depth - (0.25 * H - clearance)).abs() < 1e-9);
-                            prop_assert_eq!(c.part, Nozzle::default().part(z, rho));
+                            prop_assert_eq!(c.part, tip_1_mm().part(z, rho));
                         }
                     }
                 }
@@ -167,7 +168,7 @@ proptest! {
         let (mut layer, mut paths) = rows(seed);
         // High enough for some to be clear of the plate, low enough for some not to be.
         layer.vertices.iter_mut().for_each(|p| p.z += 6.0);
-        paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.tip.z += 6.0);
+        paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.position.z += 6.0);
         with_contacts(std::slice::from_ref(&layer), &paths, &GougingOptions::default(), |contacts| {
             for (moment, poses) in asked(seed, &paths) {
                 for pose in poses.iter().filter(|pose| contacts.is_free(moment, pose).unwrap()) {
@@ -187,7 +188,7 @@ proptest! {
         let (layer, paths) = rows(seed);
         let options = GougingOptions::default();
         let mut rng = rng(seed);
-        let lifted = paths[0].waypoints.iter().map(|w| w.tip.z).fold(0.0, f64::min);
+        let lifted = paths[0].waypoints.iter().map(|w| w.position.z).fold(0.0, f64::min);
         with_contacts(std::slice::from_ref(&layer), &paths, &options, |contacts| {
             for (moment, poses) in asked(seed, &paths) {
                 for mut from in poses.into_iter().take(6) {
@@ -341,7 +342,7 @@ fn a_wide_block_meets_what_a_narrow_one_passes() {
     let paths = [line(0, 60.0), line(1, 0.0)];
     with_stack(&[wall, floor], |stack| {
         let found = |block: f64, pose: &Pose| {
-            let nozzle = Nozzle::new(NozzleShape { block_mm: block, ..Nozzle::default().shape() }).unwrap();
+            let nozzle = Nozzle::new(NozzleShape { block_mm: block, ..tip_1_mm().shape() }).unwrap();
             let contacts = stack.contacts(&paths, &nozzle, &GougingOptions::default(), &go_on).unwrap();
             contacts.deepest(Moment::At { path: 1, waypoint: 0 }, pose).unwrap()
         };
@@ -410,7 +411,7 @@ fn on_a_real_path_it_agrees_with_orient_and_free() {
     let wall = Layer::sheet([0.0, -10.0, 10.4], [0.0, 20.0, 0.0], [0.0, 0.0, 30.0], 20, H);
     with_stack(&[plain, wall, floor], |stack| {
         let (nozzle, options) =
-            (Nozzle::default(), GougingOptions { max_turn: 2_f64.to_radians(), ..GougingOptions::default() });
+            (tip_1_mm(), GougingOptions { max_turn: 2_f64.to_radians(), ..GougingOptions::default() });
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
         let resolved = stack.resolve_gouging(oriented.paths, &nozzle, &options, &go_on).unwrap();
         assert!(resolved.gouging_before > 20 && resolved.left.is_empty());
@@ -418,7 +419,7 @@ fn on_a_real_path_it_agrees_with_orient_and_free() {
         agrees(&contacts, &resolved);
         // Between waypoints it is hardly deeper than at them.
         for (waypoint, pair) in resolved.paths[0].waypoints.windows(2).enumerate() {
-            let [from, to] = [0, 1].map(|k| Pose { tip: pair[k].tip, direction: pair[k].direction });
+            let [from, to] = [0, 1].map(|k| Pose { tip: pair[k].position, direction: pair[k].axis });
             let found = contacts.deepest_along(Moment::At { path: 0, waypoint }, &from, &to, 0.05).unwrap();
             assert!(found.is_none_or(|(_, c)| c.depth < 0.25 * H + 0.05), "{waypoint}: {found:?}");
         }
@@ -470,14 +471,14 @@ fn what_cannot_be_asked_is_named() {
     });
     with_stack(layers, |stack| {
         let tried = |paths: &[ToolPath], options: &GougingOptions| {
-            stack.contacts(paths, &Nozzle::default(), options, &go_on).map(drop).unwrap_err()
+            stack.contacts(paths, &tip_1_mm(), options, &go_on).map(drop).unwrap_err()
         };
         let deep = GougingOptions { allowed_depth: 0.6, ..GougingOptions::default() };
         assert!(matches!(tried(&paths, &deep), GougingError::Option { option: "allowed_depth", .. }));
         let later = ToolPath { layer: 1, ..paths[0].clone() };
         assert_eq!(tried(&[later], &no_plate()), GougingError::Layer { path: 0, layer: 1, layers: 1 });
         let stop = |_| ControlFlow::Break(());
-        let cancelled = stack.contacts(&paths, &Nozzle::default(), &no_plate(), &stop).map(drop).unwrap_err();
+        let cancelled = stack.contacts(&paths, &tip_1_mm(), &no_plate(), &stop).map(drop).unwrap_err();
         assert_eq!(cancelled, GougingError::Cancelled);
     });
 }

@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 fn waypoint(x: f64, lean: f64, width: f64, height: f64) -> Waypoint {
     let direction = Unit::new_normalize(Vector3::new(lean.sin(), 0.0, lean.cos()));
     Waypoint {
-        tip: Point3::new(x, 0.0, 10.0),
-        direction,
+        position: Point3::new(x, 0.0, 10.0),
+        axis: direction,
         width,
         height,
         arc: x,
@@ -74,7 +74,7 @@ fn between_paths_it_retracts_hops_and_primes() {
     use MoveKind::{Prime, Print, Retract, Travel};
     let one = path_of(vec![waypoint(0.0, 0.0, 0.8, 0.8), waypoint(2.0, 0.0, 0.8, 0.8)]);
     let mut other = path_of(vec![waypoint(0.0, 0.3, 0.8, 0.8), waypoint(2.0, 0.3, 0.8, 0.8)]);
-    other.waypoints.iter_mut().for_each(|w| w.tip.x += 9.0);
+    other.waypoints.iter_mut().for_each(|w| w.position.x += 9.0);
     let options = DepositionOptions::default();
     let plan = deposit(&[one.clone(), other.clone()], &options).unwrap();
     let expected = [Travel, Travel, Print, Retract, Travel, Travel, Travel, Prime, Print];
@@ -82,10 +82,10 @@ fn between_paths_it_retracts_hops_and_primes() {
     assert_eq!(plan.retractions, 1);
     // Back off 5 mm along the old direction, come down along the new one.
     let end = one.waypoints[1];
-    assert!((plan.moves[4].tip - end.tip - Vector3::z() * 5.0).norm() < 1e-12);
+    assert!((plan.moves[4].tip - end.position - Vector3::z() * 5.0).norm() < 1e-12);
     let start = other.waypoints[0];
-    assert!((plan.moves[5].tip - start.tip - start.direction.into_inner() * 5.0).norm() < 1e-12);
-    assert_eq!(plan.moves[6].tip, start.tip);
+    assert!((plan.moves[5].tip - start.position - start.axis.into_inner() * 5.0).norm() < 1e-12);
+    assert_eq!(plan.moves[6].tip, start.position);
     assert!((plan.moves[3].seconds - 1.0 / 30.0).abs() < 1e-12 && (plan.moves[7].seconds - 1.0 / 20.0).abs() < 1e-12);
     assert!((plan.moves[3].filament + plan.moves[7].filament).abs() < 1e-12);
     // Nothing of that where one path goes on from another, or where it is not wanted.
@@ -94,17 +94,17 @@ fn between_paths_it_retracts_hops_and_primes() {
     assert_eq!(kinds(&deposit(&[one.clone(), on.clone()], &options).unwrap()), [Travel, Travel, Print, Print]);
     // Where only the direction changes it turns on the spot, which takes its time but has no speed of its own.
     let lean = |degrees: f64| Unit::new_normalize(Vector3::new(degrees.to_radians().tan(), 0.0, 1.0));
-    on.waypoints.iter_mut().for_each(|w| w.direction = lean(0.9));
+    on.waypoints.iter_mut().for_each(|w| w.axis = lean(0.9));
     let plan = deposit(&[one.clone(), on.clone()], &options).unwrap();
     assert_eq!(kinds(&plan), [Travel, Travel, Print, Travel, Print]);
     assert!((plan.moves[3].seconds - 0.005).abs() < 1e-9 && plan.moves[3].feed >= options.travel_feed);
     // Where it changes by more the nozzle would turn in the bead: it leaves and comes back.
-    on.waypoints.iter_mut().for_each(|w| w.direction = lean(1.1));
+    on.waypoints.iter_mut().for_each(|w| w.axis = lean(1.1));
     assert_eq!(kinds(&deposit(&[one.clone(), on], &options).unwrap()), expected);
     // The same within a path, with a bead around the tip and without any.
     for (arc, feed) in [(2.3, 0.3 * 0.64 / (PI / 4.0 * 1.75 * 1.75) / 0.5), (2.0, options.max_feed)] {
         let mut turning = one.clone();
-        turning.waypoints.push(Waypoint { direction: Vector3::x_axis(), arc, ..turning.waypoints[1] });
+        turning.waypoints.push(Waypoint { axis: Vector3::x_axis(), arc, ..turning.waypoints[1] });
         let plan = deposit(&[turning], &options).unwrap();
         assert!((plan.moves[3].seconds - 0.5).abs() < 1e-9 && (plan.moves[3].feed - feed).abs() < 1e-9, "{plan:?}");
     }
@@ -205,11 +205,11 @@ fn options_and_paths_that_cannot_be_used_are_named() {
         deposit(&[path], &default).unwrap_err()
     };
     let error = DepositionError::BadWaypoint { path: 0, waypoint: 1 };
-    assert_eq!(bad(&|w| w.tip.y = f64::NAN), error);
+    assert_eq!(bad(&|w| w.position.y = f64::NAN), error);
     assert_eq!(bad(&|w| w.width = 0.0), error);
     assert_eq!(bad(&|w| w.height = f64::INFINITY), error);
     assert_eq!(bad(&|w| w.arc = -1.0), error);
-    assert_eq!(bad(&|w| w.direction = Unit::new_unchecked(Vector3::zeros())), error);
+    assert_eq!(bad(&|w| w.axis = Unit::new_unchecked(Vector3::zeros())), error);
     assert!(deposit(&[], &default).unwrap().moves.is_empty());
 }
 

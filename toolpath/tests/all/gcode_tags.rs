@@ -84,8 +84,8 @@ fn tags_are_those_of_the_slicers() {
 #[test]
 fn moves_of_a_plan_are_marked() {
     let at = |x: f64, z: f64, width, kind| Waypoint {
-        tip: Point3::new(x, 0.0, z),
-        direction: Vector3::z_axis(),
+        position: Point3::new(x, 0.0, z),
+        axis: Vector3::z_axis(),
         width,
         height: 0.3,
         arc: x,

@@ -3,6 +3,7 @@
 //! The slow twin knows nothing of trees, bounds and caps: it looks at a dense raster of points on every sheet of every
 //! triangle.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers, nozzle};
 
 use creases::{H, PIECE, groove, groove_of, hills, nowhere, sheets, slow_depth, slow_lack};
@@ -24,7 +25,7 @@ fn shape(tip_flat_mm: f64, half_angle: f64, cone_height_mm: f64, block_mm: f64) 
 }
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
-    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &tip_1_mm(), options, &go_on).unwrap())
 }
 
 /// Nothing but earlier layers, nothing left out, and no smoothing for paths of two waypoints.
@@ -48,7 +49,7 @@ fn a_tip_that_no_tilt_frees_is_raised_as_little_as_does() {
     for never in [0.0, 0.1] {
         let resolved = raised(never);
         assert_eq!((resolved.left.len(), resolved.lifted, resolved.max_lift), (2, 0, 0.0));
-        assert_eq!(resolved.paths[0].waypoints[0].tip, tip);
+        assert_eq!(resolved.paths[0].waypoints[0].position, tip);
     }
     let resolved = raised(0.5);
     assert_eq!((resolved.left.len(), resolved.lifted), (0, 2));
@@ -56,7 +57,7 @@ fn a_tip_that_no_tilt_frees_is_raised_as_little_as_does() {
     let waypoint = resolved.paths[0].waypoints[1];
     assert!((waypoint.lift.norm() - resolved.max_lift).abs() < 1e-12);
     assert!(
-        (waypoint.tip - tip - Vector3::z() * resolved.max_lift).norm() < 1e-9
+        (waypoint.position - tip - Vector3::z() * resolved.max_lift).norm() < 1e-9
             && (waypoint.bead_top() - tip).norm() < 1e-12
     );
 }
@@ -72,7 +73,7 @@ fn a_tip_is_raised_across_the_layer_however_the_nozzle_leans() {
     assert!(direction.x > 0.2, "{direction:?}");
     let waypoint = resolved.paths[0].waypoints[0];
     assert!(waypoint.lift.xy().norm() < 1e-12 && waypoint.lift.z > 0.2 * H, "{:?}", waypoint.lift);
-    assert!((waypoint.tip - tip - waypoint.lift).norm() < 1e-12);
+    assert!((waypoint.position - tip - waypoint.lift).norm() < 1e-12);
 }
 
 /// Frees a nozzle at one place, given twice.
@@ -84,7 +85,7 @@ fn at(
 ) -> (ResolvedPaths, UnitVector3<f64>) {
     let all: Vec<Layer> = layers.iter().cloned().chain([nowhere()]).collect();
     let resolved = resolved_with(&all, &[path(layers.len() as u32, &[(tip, direction), (tip, direction)])], options);
-    let [one, other] = [0, 1].map(|k| resolved.paths[0].waypoints[k].direction);
+    let [one, other] = [0, 1].map(|k| resolved.paths[0].waypoints[k].axis);
     assert_eq!(one, other);
     (resolved, one)
 }
@@ -92,7 +93,7 @@ fn at(
 proptest! {
     #[test]
     fn clearance_is_a_distance_but_before_edges(z in -6.0_f64..20.0, rho in 0.0_f64..18.0) {
-        let (clearance, distance) = (Nozzle::default().clearance(z, rho), to_profile(z, rho));
+        let (clearance, distance) = (tip_1_mm().clearance(z, rho), to_profile(z, rho));
         if inside(z, rho) {
             prop_assert!(clearance <= 0.0 && -clearance <= distance + 1e-12);
         } else {
@@ -103,7 +104,7 @@ proptest! {
 
     #[test]
     fn clearance_changes_no_more_than_the_point_moves(a in prop::array::uniform2(-3.0_f64..14.0), b in prop::array::uniform2(-3.0_f64..14.0)) {
-        let [c, d] = [a, b].map(|[z, rho]| Nozzle::default().clearance(z, rho));
+        let [c, d] = [a, b].map(|[z, rho]| tip_1_mm().clearance(z, rho));
         prop_assert!((c - d).abs() <= (a[0] - b[0]).hypot(a[1] - b[1]) + 1e-12);
     }
 }
@@ -124,8 +125,8 @@ fn a_nozzle_that_gouges_a_quarter_of_the_way_goes_round() {
         let looks = (0..waypoints.len() - 1).flat_map(|k| (0..=8).map(move |look| (k, f64::from(look) / 8.0)));
         let is_free = |&(k, share): &(usize, f64)| {
             let [from, to] = [&waypoints[k], &waypoints[k + 1]];
-            let tip = from.tip + (to.tip - from.tip) * share;
-            let direction = UnitVector3::new_normalize(from.direction.slerp(&to.direction, share).into_inner());
+            let tip = from.position + (to.position - from.position) * share;
+            let direction = UnitVector3::new_normalize(from.axis.slerp(&to.axis, share).into_inner());
             contacts.is_free(Moment::At { path: 0, waypoint: k }, &Pose { tip, direction }).unwrap()
         };
         looks.filter(|look| !is_free(look)).map(|(_, share)| share).collect::<Vec<f64>>()
@@ -155,9 +156,8 @@ fn over_a_level_layer_nothing_gouges() {
     let layers = [zigzag(0), zigzag(1), zigzag(2)];
     let (paths, resolved) = with_stack(&layers, |stack| {
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let resolved = stack
-            .resolve_gouging(oriented.paths.clone(), &Nozzle::default(), &GougingOptions::default(), &go_on)
-            .unwrap();
+        let resolved =
+            stack.resolve_gouging(oriented.paths.clone(), &tip_1_mm(), &GougingOptions::default(), &go_on).unwrap();
         (oriented.paths, resolved)
     });
     assert_eq!((resolved.gouging_before, resolved.tilted, resolved.left.len(), resolved.added), (0, 0, 0, 0));
@@ -165,7 +165,7 @@ fn over_a_level_layer_nothing_gouges() {
     // With the tip in the middle of the layer, beads beside the nozzle are in the way of its tip.
     let sunk = with_stack(&layers, |stack| {
         let oriented = stack.orient(&OrientOptions { lift: 0.0, ..OrientOptions::default() }, &go_on).unwrap();
-        stack.resolve_gouging(oriented.paths, &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap()
+        stack.resolve_gouging(oriented.paths, &tip_1_mm(), &GougingOptions::default(), &go_on).unwrap()
     });
     assert!(sunk.gouging_before > 0);
 }
@@ -240,7 +240,7 @@ fn a_wide_groove_leaves_it_upright_and_a_narrow_one_no_way_out() {
         (resolved.left[0].path, resolved.left[0].waypoint, resolved.left[0].obstacle),
         (0, 0, Obstacle::Layer(0))
     );
-    let depth = slow_depth(&sheets(&[groove(0.3, 2.0)], 0.1), tip, &resolved.paths[0].waypoints[0].direction);
+    let depth = slow_depth(&sheets(&[groove(0.3, 2.0)], 0.1), tip, &resolved.paths[0].waypoints[0].axis);
     assert!((resolved.left[0].depth - depth).abs() < 0.05, "{} {depth}", resolved.left[0].depth);
     // In a groove that leans, it leans along.
     let by = Isometry3::rotation(Vector3::y() * 0.6);
@@ -286,7 +286,7 @@ fn from_its_end_a_path_finds_room_that_it_takes_away_from_its_start() {
     let (from, to) = (&lines.waypoints, &resolved.paths[0].waypoints);
     let length = from.last().unwrap().arc;
     for (w, v) in from.iter().zip(to.iter().rev()) {
-        assert!(w.tip == v.tip && (v.arc - (length - w.arc)).abs() < 1e-9);
+        assert!(w.position == v.position && (v.arc - (length - w.arc)).abs() < 1e-9);
     }
 }
 
@@ -416,7 +416,7 @@ fn past_a_wall() -> Vec<Layer> {
 fn along_the_wall(options: &GougingOptions) -> (Vec<ToolPath>, ResolvedPaths) {
     with_stack(&past_a_wall(), |stack| {
         let oriented = stack.orient(&OrientOptions::default(), &go_on).unwrap();
-        let resolved = stack.resolve_gouging(oriented.paths.clone(), &Nozzle::default(), options, &go_on).unwrap();
+        let resolved = stack.resolve_gouging(oriented.paths.clone(), &tip_1_mm(), options, &go_on).unwrap();
         (oriented.paths, resolved)
     })
 }
@@ -430,12 +430,12 @@ fn tilts_are_ramped_along_the_path() {
     // Tips stay, far from the wall directions too, and everything is still free.
     let waypoints = &resolved.paths[0].waypoints;
     for w in &before[0].waypoints {
-        assert!(waypoints.iter().any(|v| v.tip == w.tip));
+        assert!(waypoints.iter().any(|v| v.position == w.position));
     }
-    assert_eq!(waypoints[0].direction, before[0].waypoints[0].direction);
+    assert_eq!(waypoints[0].axis, before[0].waypoints[0].axis);
     let raster = sheets(&past_a_wall()[1..2], 0.1);
     for w in waypoints.iter().step_by(5) {
-        assert!(slow_depth(&raster, w.tip, &w.direction) <= 0.25 * H + PIECE);
+        assert!(slow_depth(&raster, w.position, &w.axis) <= 0.25 * H + PIECE);
     }
     // A narrower limit takes a longer ramp.
     let (_, gentle) = along_the_wall(&GougingOptions { max_turn: 2_f64.to_radians(), ..GougingOptions::default() });
@@ -443,7 +443,7 @@ fn tilts_are_ramped_along_the_path() {
     // Of the waypoints given: points put between count as tilted, too.
     let ramp = |resolved: &ResolvedPaths| {
         let is_tilted = |w: &&Waypoint| {
-            resolved.paths[0].waypoints.iter().any(|v| v.tip == w.tip && v.direction.angle(&w.direction) > 1e-9)
+            resolved.paths[0].waypoints.iter().any(|v| v.position == w.position && v.axis.angle(&w.axis) > 1e-9)
         };
         before[0].waypoints.iter().filter(is_tilted).count()
     };
@@ -480,9 +480,7 @@ fn nozzles_that_cannot_be_are_named() {
 fn paths_and_options_that_cannot_be_used_are_named() {
     let layers = [nowhere(), nowhere()];
     let error = |paths: &[ToolPath], options: &GougingOptions| {
-        with_stack(&layers, |stack| {
-            stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap_err()
-        })
+        with_stack(&layers, |stack| stack.resolve_gouging(paths.to_vec(), &tip_1_mm(), options, &go_on).unwrap_err())
     };
     let default = GougingOptions::default();
     let good = path(1, &[(Point3::origin(), Vector3::z()), (Point3::new(1.0, 0.0, 0.0), Vector3::z())]);
@@ -510,15 +508,13 @@ fn paths_and_options_that_cannot_be_used_are_named() {
     let one = ToolPath { waypoints: good.waypoints[..1].to_vec(), ..good.clone() };
     assert_eq!(error(&[one], &default), GougingError::FewWaypoints { path: 0, waypoints: 1 });
     let mut nan = good.clone();
-    nan.waypoints[1].tip.x = f64::NAN;
+    nan.waypoints[1].position.x = f64::NAN;
     assert_eq!(error(&[nan], &default), GougingError::BadWaypoint { path: 0, waypoint: 1 });
     let mut zero = good.clone();
-    zero.waypoints[0].direction = UnitVector3::new_unchecked(Vector3::zeros());
+    zero.waypoints[0].axis = UnitVector3::new_unchecked(Vector3::zeros());
     assert_eq!(error(&[zero], &default), GougingError::BadWaypoint { path: 0, waypoint: 0 });
     let cancelled = with_stack(&layers, |stack| {
-        stack
-            .resolve_gouging(vec![good.clone()], &Nozzle::default(), &default, &|_| ControlFlow::Break(()))
-            .unwrap_err()
+        stack.resolve_gouging(vec![good.clone()], &tip_1_mm(), &default, &|_| ControlFlow::Break(())).unwrap_err()
     });
     assert_eq!(cancelled, GougingError::Cancelled);
 }

@@ -3,10 +3,11 @@
 //! The slow twin prints the layer once more: it keeps the triangles that the beads so far have finished, and holds a dense
 //! raster of points on them against the nozzle, waypoint by waypoint.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers};
 
 use creases::{H, PIECE, groove, groove_of, last_touched, nowhere, rows, slow_depth};
-use curvlay_toolpath::gouging::{GougingOptions, LeftOut, Nozzle, NozzlePart, Obstacle, ResolvedPaths};
+use curvlay_toolpath::gouging::{GougingOptions, LeftOut, NozzlePart, Obstacle, ResolvedPaths};
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::travel::TravelOptions;
@@ -15,7 +16,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
-    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &Nozzle::default(), options, &go_on).unwrap())
+    with_stack(layers, |stack| stack.resolve_gouging(paths.to_vec(), &tip_1_mm(), options, &go_on).unwrap())
 }
 
 /// No smoothing, nothing left out, nothing raised.
@@ -45,7 +46,7 @@ fn groove_with_lines() -> (Layer, ToolPath) {
 
 /// Whether waypoints along the bottom are in order, front to back.
 fn at_the_bottom(waypoints: &[Waypoint]) -> bool {
-    waypoints.iter().all(|w| w.tip.x.abs() < 1e-9)
+    waypoints.iter().all(|w| w.position.x.abs() < 1e-9)
 }
 
 #[test]
@@ -101,7 +102,7 @@ fn what_would_run_into_the_part_is_left_out_and_listed() {
         resolved_with(&layers, std::slice::from_ref(&dip), &GougingOptions { max_depth: 1.0, ..rough_turns() });
     assert_eq!((resolved.left.len(), resolved.gouging_before, resolved.paths.len()), (0, 2, 2));
     let arcs = [2, 5].map(|k: usize| dip.waypoints[k].arc);
-    let (tip, depth, part) = (dip.waypoints[deepest.waypoint].tip, deepest.depth, NozzlePart::Cone);
+    let (tip, depth, part) = (dip.waypoints[deepest.waypoint].position, deepest.depth, NozzlePart::Cone);
     assert_eq!(
         resolved.left_out,
         [LeftOut { layer: 1, curve: 0, arcs, tip, obstacle: Obstacle::Layer(0), depth, part }]
@@ -143,10 +144,10 @@ fn what_is_left_out_blocks_no_travel() {
         with_stack(&layers, |stack| {
             let options = GougingOptions { max_depth, ..rough_turns() };
             let paths = vec![line(0, 60.0), line(1, 3.0), line(2, 70.0)];
-            let resolved = stack.resolve_gouging(paths, &Nozzle::default(), &options, &go_on).unwrap();
+            let resolved = stack.resolve_gouging(paths, &tip_1_mm(), &options, &go_on).unwrap();
             // Not high enough to leave the shaft.
             let options = TravelOptions { max_lift: 20.0, ..TravelOptions::default() };
-            stack.travels(&resolved.paths, &Nozzle::default(), &options, &go_on).unwrap().blocked.len()
+            stack.travels(&resolved.paths, &tip_1_mm(), &options, &go_on).unwrap().blocked.len()
         })
     };
     assert_eq!((blocked(f64::INFINITY), blocked(1.0)), (2, 0));
@@ -154,7 +155,7 @@ fn what_is_left_out_blocks_no_travel() {
 
 /// Pieces of bead between samples, by their ends: each one way round, in an order that does not depend on the printing.
 fn printed(paths: &[ToolPath]) -> Vec<[[u64; 3]; 2]> {
-    let bits = |w: &Waypoint| [w.tip.x.to_bits(), w.tip.y.to_bits(), w.tip.z.to_bits()];
+    let bits = |w: &Waypoint| [w.position.x.to_bits(), w.position.y.to_bits(), w.position.z.to_bits()];
     let mut pieces = Vec::new();
     for path in paths {
         let samples: Vec<_> = path.waypoints.iter().filter(|w| !w.added).map(bits).collect();
@@ -181,7 +182,7 @@ fn replayed(layers: &[Layer], resolved: &ResolvedPaths) -> Vec<(usize, usize, f6
             }
             let there = (0..last.len()).filter(|&t| last[t].is_some_and(|last| last < before));
             let there: Vec<Point3<f64>> = there.flat_map(|t| points[t].iter().copied()).collect();
-            let depth = slow_depth(&there, w.tip, &w.direction);
+            let depth = slow_depth(&there, w.position, &w.axis);
             let listed = resolved.left.iter().any(|gouge| (gouge.path, gouge.waypoint) == (k, waypoint));
             if depth > 0.25 * H + PIECE && !listed {
                 deep.push((k, waypoint, depth));

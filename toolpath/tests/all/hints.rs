@@ -1,6 +1,7 @@
 //! Directions that are known for places: which one is found, and what a search that starts from it frees.
 
-use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
+use crate::common::nozzle::tip_1_mm;
+use curvlay_toolpath::gouging::GougingOptions;
 use curvlay_toolpath::layer::{BuiltLayer, DirectionHints, HintError, LayerCurve, LayerStack};
 use curvlay_toolpath::nalgebra::{Point3, Unit, UnitVector3, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
@@ -68,8 +69,8 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
     let go = |_| ControlFlow::Continue(());
     let down = -Vector3::z_axis();
     let at = |x: f64| Waypoint {
-        tip: Point3::new(x, 5.0, 4.6),
-        direction: down,
+        position: Point3::new(x, 5.0, 4.6),
+        axis: down,
         width: 0.8,
         height: 0.8,
         arc: x,
@@ -78,7 +79,7 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
         kind: BeadKind::Solid,
     };
     let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: [1.0, 5.0, 9.0].map(at).to_vec() };
-    let (nozzle, options) = (Nozzle::default(), GougingOptions::default());
+    let (nozzle, options) = (tip_1_mm(), GougingOptions::default());
     let known = Unit::new_normalize(Vector3::new(0.0, -1.0, 0.2));
     let stack = LayerStack::new(&layers).unwrap();
     let stuck = stack.resolve_gouging(vec![path.clone()], &nozzle, &options, &go).unwrap();
@@ -87,5 +88,5 @@ fn what_faces_the_plate_is_freed_from_what_is_known() {
     let hinted = LayerStack::new(&layers).unwrap().with_hints(hints);
     let free = hinted.resolve_gouging(vec![path], &nozzle, &options, &go).unwrap();
     assert_eq!((free.left.len(), free.left_out.len()), (0, 0));
-    assert!(free.paths[0].waypoints.iter().all(|waypoint| waypoint.direction.y < -0.5));
+    assert!(free.paths[0].waypoints.iter().all(|waypoint| waypoint.axis.y < -0.5));
 }

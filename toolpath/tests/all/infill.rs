@@ -1,10 +1,11 @@
 //! Walls, skins and sparse infill: closed forms, densities, anchors, skins against brute force, degenerate parts, what is refused.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{go_on, grid, to_boundary};
 use curvlay_toolpath::fill::{
     Bridges, FillLayersError, FilledLayer, FilledLayers, fill_layer, fill_layers, fill_range,
 };
-use curvlay_toolpath::gouging::Nozzle;
+
 use curvlay_toolpath::infill::{FillError, SparseFill};
 use curvlay_toolpath::layer::{LayerSurface, StackError};
 use curvlay_toolpath::mesh::SurfaceMesh;
@@ -540,7 +541,7 @@ fn first_skins_over_rows_are_bridges() {
     // Kinds do not flicker: what lies between two others of one kind is longer than five beads, around the end of closed curves as well.
     let paths = filled.layers.iter().flatten().flat_map(|layer| &layer.paths.paths);
     assert!(paths.flat_map(runs_between).all(|length| length > 5.0 * BEAD));
-    let plan = filled.plan(&part.surfaces(), &Nozzle::default(), &PrintOptions::default(), &go_on).unwrap();
+    let plan = filled.plan(&part.surfaces(), &tip_1_mm(), &PrintOptions::default(), &go_on).unwrap();
     let support = check_support(&plan.resolved.paths, HEIGHT, &SupportOptions::default(), &go_on).unwrap();
     assert!(support.unsupported.is_empty(), "{:?}", support.unsupported);
 }

@@ -1,9 +1,10 @@
 //! What each piece of bead is for, from curves to moves.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{go_on, grid, to_boundary};
 use curvlay_toolpath::deposit::{Move, MoveKind};
 use curvlay_toolpath::fill::fill_layers;
-use curvlay_toolpath::gouging::Nozzle;
+
 use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::nalgebra::Point3;
 use curvlay_toolpath::path::{BeadKind, PathOptions, Pattern};
@@ -26,7 +27,7 @@ fn moves(pattern: Pattern) -> (Vec<Move>, Vec<(BeadKind, f64)>) {
     let distance = to_boundary(&plate);
     let points = filled.layers[0].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
     let kinds = points.map(|p| (p.kind, distance.at(p.at.triangle, p.at.barycentric).distance)).collect();
-    (filled.plan(&[surface], &Nozzle::default(), &PrintOptions::default(), &go_on).unwrap().deposition.moves, kinds)
+    (filled.plan(&[surface], &tip_1_mm(), &PrintOptions::default(), &go_on).unwrap().deposition.moves, kinds)
 }
 
 /// Length of the moves that are a kind of bead.

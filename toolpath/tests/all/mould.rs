@@ -1,7 +1,8 @@
 //! Layers on a mould: its twin is a first layer without curves; and what is refused.
 
 use crate::common::layers::{Layer, path, with_own_stack, with_stack};
-use curvlay_toolpath::gouging::{GougingOptions, Moment, Nozzle, Obstacle};
+use crate::common::nozzle::tip_1_mm;
+use curvlay_toolpath::gouging::{GougingOptions, Moment, Obstacle};
 use curvlay_toolpath::layer::{BuiltLayer, LayerStack, Mould, MouldError, StackError};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, Vector3};
 use curvlay_toolpath::orientation::{Pose, ToolPath};
@@ -29,7 +30,7 @@ fn floor() -> Layer {
 }
 
 fn planned(stack: &LayerStack) -> PrintPlan {
-    stack.plan(&Nozzle::default(), &PrintOptions::default(), &go_on).unwrap()
+    stack.plan(&tip_1_mm(), &PrintOptions::default(), &go_on).unwrap()
 }
 
 fn obstacle(of_layers: Obstacle) -> Obstacle {
@@ -79,7 +80,7 @@ fn contacts_name_the_mould() {
     let paths = [line(20.0), line(1.0)];
     let found = with_own_stack(&[ground], |stack| {
         let stack = stack.on_mould(&mould(&wall)).unwrap();
-        let contacts = stack.contacts(&paths, &Nozzle::default(), &GougingOptions::default(), &go_on).unwrap();
+        let contacts = stack.contacts(&paths, &tip_1_mm(), &GougingOptions::default(), &go_on).unwrap();
         let at = |x: f64| Pose { tip: Point3::new(x, 0.0, H), direction: Vector3::z_axis() };
         [20.0, 1.0].map(|x| contacts.deepest(Moment::At { path: 0, waypoint: 0 }, &at(x)).unwrap())
     });
@@ -96,7 +97,7 @@ fn travels_rise_over_the_mould() {
     let paths: [ToolPath; 2] = [line(-50.0), line(50.0)];
     let travels = with_own_stack(&[ground], |stack| {
         let stack = stack.on_mould(&mould(&wall)).unwrap();
-        stack.travels(&paths, &Nozzle::default(), &TravelOptions::default(), &go_on).unwrap()
+        stack.travels(&paths, &tip_1_mm(), &TravelOptions::default(), &go_on).unwrap()
     });
     assert!(travels.blocked.is_empty());
     let over = travels.ways[1].iter().filter(|pose| pose.tip.x.abs() < 30.0).map(|pose| pose.tip.z);

@@ -42,8 +42,8 @@ fn level_layers_point_up_and_the_tip_is_on_top_of_the_bead() {
         assert_eq!((path.layer as usize, path.waypoints.len()), (k, 10)); // 8.54 mm in 9 steps
         let length = 73_f64.sqrt();
         for (n, w) in path.waypoints.iter().enumerate() {
-            assert!(degrees(&w.direction, &Vector3::z()) < 1e-6);
-            assert!((w.tip.z - H * (k as f64 + 1.0)).abs() < 1e-9);
+            assert!(degrees(&w.axis, &Vector3::z()) < 1e-6);
+            assert!((w.position.z - H * (k as f64 + 1.0)).abs() < 1e-9);
             assert!((w.arc - length * n as f64 / 9.0).abs() < 1e-9 && (w.width - 0.9).abs() < 1e-12);
             assert!((w.height - H).abs() < 1e-12);
         }
@@ -60,7 +60,7 @@ fn slanted_layers_point_along_their_normal() {
     let on = |t: f64| [-sin * H + t * cos, 6.0, 50.0 + cos * H + t * sin];
     let layers = [slanted(0.0), slanted(1.0).with(&[on(2.0), on(10.0)], 0.8)];
     for w in &oriented(&layers, &raw()).paths[0].waypoints {
-        assert!(degrees(&w.direction, &Vector3::new(-sin, 0.0, cos)) < 1e-6);
+        assert!(degrees(&w.axis, &Vector3::new(-sin, 0.0, cos)) < 1e-6);
     }
 }
 
@@ -77,7 +77,7 @@ fn beyond_the_edge_of_the_layer_below_directions_lean_out() {
     ] {
         let found = oriented(&[below.clone(), at(x)], &raw());
         assert_eq!(found.by_normal > 0, by_normal, "{x}");
-        found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.direction, &expected) < 1e-6, "{x}: {w:?}"));
+        found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.axis, &expected) < 1e-6, "{x}: {w:?}"));
     }
 }
 
@@ -92,7 +92,7 @@ fn over_a_hole_the_layer_below_it_counts_and_over_a_deep_one_the_normal() {
         let lowest = Layer::sheet([0.0, 0.0, 50.0 - depth], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], 7, H);
         let found = oriented(&[lowest, slit.clone(), above.clone()], &raw());
         assert_eq!(found.by_normal, by_normal);
-        found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.direction, &Vector3::z()) < 1e-6));
+        found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.axis, &Vector3::z()) < 1e-6));
     }
 }
 
@@ -103,7 +103,7 @@ fn an_earlier_surface_beside_a_later_one_says_nothing() {
     let below = Layer::sheet([5.0, 0.0, 50.0], [5.0, 0.0, 0.0], [0.0, 10.0, 0.0], 7, H).and(&beside);
     let above = Layer::sheet([5.0, 0.0, 50.0 + H], [5.0, 0.0, 0.0], [0.0, 10.0, 0.0], 7, H);
     let found = oriented(&[below, above.with(&[[5.0, 1.0, 50.0 + H], [5.0, 9.0, 50.0 + H]], 0.8)], &raw());
-    found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.direction, &Vector3::z()) < 1e-6, "{w:?}"));
+    found.paths[0].waypoints.iter().for_each(|w| assert!(degrees(&w.axis, &Vector3::z()) < 1e-6, "{w:?}"));
 }
 
 /// A layer of facets that lean any way, and a line over it.
@@ -118,7 +118,7 @@ fn facets(seed: u64) -> [Layer; 2] {
 /// The directions of the first path, and how far along it they are.
 fn directions(layers: &[Layer], options: &OrientOptions) -> (Vec<Vector3<f64>>, Vec<f64>) {
     let waypoints = oriented(layers, options).paths.swap_remove(0).waypoints;
-    waypoints.iter().map(|w| (w.direction.into_inner(), w.arc)).unzip()
+    waypoints.iter().map(|w| (w.axis.into_inner(), w.arc)).unzip()
 }
 
 /// The least of `sum |d - raw|^2 + (wave / 2 pi)^4 sum |d''|^2`, with a matrix of all points.
@@ -195,15 +195,15 @@ fn across_a_crest_turns_are_shared_out() {
     assert!(found.after.largest <= 10_f64.to_radians() + 1e-8 && found.sharp.is_empty());
     assert_eq!(found.added, 8); // twice 45 degrees, each in five parts
     // On great circles: nothing leans out of the plane across, and the lean only ever grows.
-    let leans: Vec<f64> = found.paths[0].waypoints.iter().map(|w| w.direction.x.atan2(w.direction.z)).collect();
-    assert!(found.paths[0].waypoints.iter().all(|w| w.direction.y.abs() < 1e-9));
+    let leans: Vec<f64> = found.paths[0].waypoints.iter().map(|w| w.axis.x.atan2(w.axis.z)).collect();
+    assert!(found.paths[0].waypoints.iter().all(|w| w.axis.y.abs() < 1e-9));
     assert!(leans.windows(2).all(|pair| pair[1] >= pair[0] - 1e-9), "{leans:?}");
     // A low-pass spreads the turn, so fewer points are put between.
     let smooth = oriented(&layers, &OrientOptions { wave: 0.0, ..OrientOptions::default() });
     assert!(smooth.after.largest <= 10_f64.to_radians() + 1e-8);
     assert!(smooth.added < found.added && smooth.after.mean <= found.before.mean + 1e-9, "{smooth:?}");
     // Tips are half a layer above the surface.
-    let apex = found.paths[0].waypoints.iter().map(|w| w.tip.z).fold(0.0, f64::max);
+    let apex = found.paths[0].waypoints.iter().map(|w| w.position.z).fold(0.0, f64::max);
     assert!((apex - (50.0 + up + H / 2.0)).abs() < 1e-9, "{apex}");
 }
 
@@ -228,7 +228,7 @@ fn corners_stay_and_steps_between_are_even() {
         [[1.0, 3.0, 0.4]].into_iter().chain((0..=8).map(round)).chain([[5.2, 7.2, 0.4]]).collect();
     let found = oriented(&[level(0).with(&rounded, 0.8)], &OrientOptions::default());
     let middle = Point3::new(5.0 + 0.2 * 0.5_f64.sqrt(), 3.2 - 0.2 * 0.5_f64.sqrt(), H);
-    let near = found.paths[0].waypoints.iter().filter(|w| (w.tip - middle).norm() < 0.08).count();
+    let near = found.paths[0].waypoints.iter().filter(|w| (w.position - middle).norm() < 0.08).count();
     assert_eq!(near, 1);
 }
 
@@ -240,9 +240,9 @@ fn a_closed_curve_ends_where_it_starts() {
     let found = oriented(&[layer], &OrientOptions::default());
     let waypoints = &found.paths[0].waypoints;
     assert!(found.paths[0].closed && waypoints.len() == 29);
-    assert!((waypoints[0].tip - waypoints[28].tip).norm() < 1e-12 && (waypoints[28].arc - 28.0).abs() < 1e-9);
+    assert!((waypoints[0].position - waypoints[28].position).norm() < 1e-12 && (waypoints[28].arc - 28.0).abs() < 1e-9);
     for corner in corners {
-        assert!(waypoints.iter().any(|w| (w.tip - corner - Vector3::new(0.0, 0.0, 0.4)).norm() < 1e-9));
+        assert!(waypoints.iter().any(|w| (w.position - corner - Vector3::new(0.0, 0.0, 0.4)).norm() < 1e-9));
     }
 }
 
@@ -305,14 +305,14 @@ proptest! {
         let found = oriented(&layers, &OrientOptions { step: 0.5, ..raw() });
         let mut by_normal = 0;
         for w in &found.paths[0].waypoints {
-            let normal = slow_normal(&layers[1], w.tip);
+            let normal = slow_normal(&layers[1], w.position);
             // Steps to the tip from triangles that face the same way within 60 degrees.
             let corners = |t: &[u32; 3]| t.map(|v| layers[0].vertices[v as usize]);
             let facing = layers[0].triangles.iter().map(corners).filter(|[a, b, c]| {
                 (b - a).cross(&(c - a)).angle(&normal).to_degrees() < 60.0
             });
             let steps: Vec<Vector3<f64>> =
-                facing.map(|t| w.tip - slow_closest(t, w.tip)).filter(|step| step.norm() < 3.0 * H).collect();
+                facing.map(|t| w.position - slow_closest(t, w.position)).filter(|step| step.norm() < 3.0 * H).collect();
             let lean = |step: &Vector3<f64>| step.angle(&normal).to_degrees();
             let verge = |step: &Vector3<f64>| (lean(step) - 60.0).abs() < 1e-5 || (lean(step) - 30.0).abs() < 1e-5;
             if steps.iter().any(|step| step.norm() < 1e-5 || verge(step)) {
@@ -325,7 +325,7 @@ proptest! {
             let closest = within(30.0).or_else(|| within(60.0));
             by_normal += usize::from(closest.is_none());
             let direction = closest.unwrap_or(normal);
-            prop_assert!(degrees(&w.direction, &direction) < 1e-4, "{w:?} {direction:?}");
+            prop_assert!(degrees(&w.axis, &direction) < 1e-4, "{w:?} {direction:?}");
         }
         prop_assert!(by_normal <= found.by_normal);
     }
@@ -337,13 +337,13 @@ proptest! {
         let mut sharp = 0;
         for (path, waypoints) in found.paths.iter().map(|path| &path.waypoints).enumerate() {
             for (k, pair) in waypoints.windows(2).enumerate() {
-                let turn = pair[0].direction.angle(&pair[1].direction);
+                let turn = pair[0].axis.angle(&pair[1].axis);
                 if turn > options.max_turn + 1e-7 {
                     prop_assert!(found.sharp.iter().any(|s| (s.path, s.waypoint) == (path, k)));
                     sharp += 1;
                 }
                 prop_assert!(pair[1].arc > pair[0].arc && pair[1].arc - pair[0].arc < 1.5);
-                prop_assert!((pair[0].direction.norm() - 1.0).abs() < 1e-12);
+                prop_assert!((pair[0].axis.norm() - 1.0).abs() < 1e-12);
             }
         }
         prop_assert_eq!(sharp, found.sharp.len());
@@ -359,8 +359,8 @@ proptest! {
         let here = oriented(&layers, &OrientOptions::default());
         prop_assert_eq!(here.paths[0].waypoints.len(), there.paths[0].waypoints.len());
         for (a, b) in here.paths[0].waypoints.iter().zip(&there.paths[0].waypoints) {
-            prop_assert!((by * a.tip - b.tip).norm() < 1e-6, "{a:?} {b:?}");
-            prop_assert!(degrees(&b.direction, &(by * a.direction.into_inner())) < 1e-4);
+            prop_assert!((by * a.position - b.position).norm() < 1e-6, "{a:?} {b:?}");
+            prop_assert!(degrees(&b.axis, &(by * a.axis.into_inner())) < 1e-4);
         }
     }
 }
@@ -461,8 +461,9 @@ fn samples_are_on_the_curve() {
     let layers = rough_layers(3);
     let found = oriented(&layers, &raw());
     let line = &layers[1].curves[0].0;
-    let off =
-        |w: &Waypoint| line.windows(2).map(|s| common::to_segment(w.tip, s[0], s[1])).fold(f64::INFINITY, f64::min);
+    let off = |w: &Waypoint| {
+        line.windows(2).map(|s| common::to_segment(w.position, s[0], s[1])).fold(f64::INFINITY, f64::min)
+    };
     assert!(found.paths[0].waypoints.iter().all(|w| off(w) < 1e-9));
     let length: f64 = line.windows(2).map(|s| (s[1] - s[0]).norm()).sum();
     assert!((found.paths[0].waypoints.last().unwrap().arc - length).abs() < 1e-9);

@@ -1,12 +1,13 @@
 //! Whole prints in two calls: against the steps done one by one, and against sums done the plain way.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{self, go_on, grid};
 use curvlay_toolpath::Progress;
 use curvlay_toolpath::deposit::{DepositionOptions, Move, MoveKind, deposit_along};
 use curvlay_toolpath::fill::{FillLayersError, FillTotals, FilledLayer, fill_layer, fill_layers};
 use curvlay_toolpath::gcode::{self, WriteOptions, write_gcode};
 use curvlay_toolpath::geodesic::SurfaceDistance;
-use curvlay_toolpath::gouging::{GougingError, GougingOptions, Nozzle};
+use curvlay_toolpath::gouging::{GougingError, GougingOptions};
 use curvlay_toolpath::infill::FillError;
 use curvlay_toolpath::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, StackError};
 use curvlay_toolpath::level_set::LevelField;
@@ -166,7 +167,7 @@ fn a_print_is_planned_by_the_steps_behind_it() {
     let sheets = Sheets::new();
     let surfaces = sheets.surfaces();
     let filled = fill_layers(&surfaces, &PathOptions::default(), &go_on).unwrap();
-    let (nozzle, options) = (Nozzle::default(), PrintOptions::default());
+    let (nozzle, options) = (tip_1_mm(), PrintOptions::default());
     let plan = filled.plan(&surfaces, &nozzle, &options, &go_on).unwrap();
 
     let lines = |layer: &Option<FilledLayer>| -> Vec<Line> {
@@ -203,7 +204,7 @@ fn planned() -> PrintPlan {
     let sheets = Sheets::new();
     let surfaces = sheets.surfaces();
     let filled = fill_layers(&surfaces, &PathOptions::default(), &go_on).unwrap();
-    filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &go_on).unwrap()
+    filled.plan(&surfaces, &tip_1_mm(), &PrintOptions::default(), &go_on).unwrap()
 }
 
 #[test]
@@ -276,7 +277,7 @@ fn every_stage_is_reported_and_can_be_cancelled() {
         ControlFlow::Continue(())
     };
     let filled = fill_layers(&surfaces, &PathOptions::default(), &note).unwrap();
-    filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &note).unwrap();
+    filled.plan(&surfaces, &tip_1_mm(), &PrintOptions::default(), &note).unwrap();
     let seen: HashSet<&str> = stages.into_inner().unwrap().into_iter().collect();
     for stage in ["fill", "distance", "curves", "coverage", "order"] {
         assert!(seen.contains(stage), "{stage}");
@@ -287,7 +288,7 @@ fn every_stage_is_reported_and_can_be_cancelled() {
     for stage in ["orient", "share", "gouging", "built", "travel", "deposit"] {
         assert!(seen.contains(stage), "{stage}");
         let stop = |p: Progress| if p.stage == stage { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let cancelled = filled.plan(&surfaces, &Nozzle::default(), &PrintOptions::default(), &stop).unwrap_err();
+        let cancelled = filled.plan(&surfaces, &tip_1_mm(), &PrintOptions::default(), &stop).unwrap_err();
         assert_eq!(cancelled, PrintError::Cancelled, "{stage}");
     }
 }
@@ -311,7 +312,7 @@ fn errors_name_the_layer() {
     let surfaces = sheets.surfaces();
     let filled = fill_layers(&surfaces, &PathOptions::default(), &go_on).unwrap();
     let plan = |surfaces: &[LayerSurface], options: &PrintOptions| {
-        filled.plan(surfaces, &Nozzle::default(), options, &go_on).unwrap_err()
+        filled.plan(surfaces, &tip_1_mm(), options, &go_on).unwrap_err()
     };
     let defaults = PrintOptions::default();
     assert_eq!(plan(&surfaces[..3], &defaults), PrintError::SurfaceCount { surfaces: 3, layers: 4 });

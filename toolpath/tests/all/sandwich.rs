@@ -207,8 +207,8 @@ fn a_sandwich_in_a_machine_file() {
     let direction = Vector3::z_axis();
     let (width, height, kind) = (1.0, 0.6, BeadKind::Solid);
     let at = |x: f64, z: f64| Waypoint {
-        tip: Point3::new(x, 0.0, z),
-        direction,
+        position: Point3::new(x, 0.0, z),
+        axis: direction,
         width,
         height,
         arc: x,
@@ -223,7 +223,7 @@ fn a_sandwich_in_a_machine_file() {
     let mut paths = [path(0), path(1), path(2)];
     let schedule = sandwich(3, &SandwichOptions { offset: 0.08, ..SandwichOptions::default() }).unwrap();
     raise(&mut paths, &schedule).unwrap();
-    assert!([0.6, 1.28, 1.96].iter().zip(&paths).all(|(z, path)| (path.waypoints[0].tip.z - z).abs() < 1e-12));
+    assert!([0.6, 1.28, 1.96].iter().zip(&paths).all(|(z, path)| (path.waypoints[0].position.z - z).abs() < 1e-12));
     let wrong = [ToolPath { layer: 3, ..path(0) }];
     assert_eq!(raise(&mut wrong.clone(), &schedule), Err(SandwichError::Layer { path: 0, layer: 3, layers: 3 }));
 

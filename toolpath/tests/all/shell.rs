@@ -14,7 +14,16 @@ const WIDTH: f64 = 0.5;
 
 fn waypoint(tip: Point3<f64>, arc: f64, kind: BeadKind) -> Waypoint {
     let direction = Vector3::z_axis();
-    Waypoint { tip, direction, width: WIDTH, height: H, arc, added: false, lift: Vector3::zeros(), kind }
+    Waypoint {
+        position: tip,
+        axis: direction,
+        width: WIDTH,
+        height: H,
+        arc,
+        added: false,
+        lift: Vector3::zeros(),
+        kind,
+    }
 }
 
 /// Straight beads along x, 10 mm long, of `layers` layers: `at` says where the middle of each is across.
@@ -124,7 +133,7 @@ fn anywhere(seed: u64) -> (Vec<ToolPath>, [Point3<f64>; 3]) {
     let ends: Vec<[Point3<f64>; 3]> = (0..30).map(|_| [point(3.0), point(3.0), point(1.0)]).collect();
     let path = |[from, to, up]: &[Point3<f64>; 3]| {
         let direction = Unit::try_new(up.coords, 1e-9).unwrap_or(Vector3::z_axis());
-        let waypoint = |tip| Waypoint { direction, ..waypoint(tip, 0.0, BeadKind::Solid) };
+        let waypoint = |tip| Waypoint { axis: direction, ..waypoint(tip, 0.0, BeadKind::Solid) };
         ToolPath { layer: 0, curve: 0, closed: false, waypoints: vec![waypoint(*from), waypoint(*to)] }
     };
     (ends.iter().map(path).collect(), triangle)
@@ -147,11 +156,11 @@ proptest! {
         let distance = |path: &ToolPath| {
             let [a, b] = [0, 1].map(|k| {
                 let at = path.waypoints[k];
-                at.tip - at.direction.into_inner() * (0.5 * H)
+                at.position - at.axis.into_inner() * (0.5 * H)
             });
             let share = ((middles - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
             let to = middles - (a + (b - a) * share);
-            let up = to.dot(&path.waypoints[0].direction);
+            let up = to.dot(&path.waypoints[0].axis);
             let aside = (to.norm_squared() - up * up).max(0.0).sqrt();
             up.hypot((aside - 0.5 * (WIDTH - H)).max(0.0)) - 0.5 * H
         };
@@ -166,7 +175,7 @@ proptest! {
         let (paths, triangle) = anywhere(seed);
         let motion = Isometry3::from_parts(Vector3::from(turn).into(), UnitQuaternion::from_scaled_axis(Vector3::from(turn)));
         let moved: Vec<ToolPath> = paths.iter().map(|path| {
-            let waypoints = path.waypoints.iter().map(|at| Waypoint { tip: motion * at.tip, direction: motion * at.direction, ..*at });
+            let waypoints = path.waypoints.iter().map(|at| Waypoint { position: motion * at.position, axis: motion * at.axis, ..*at });
             ToolPath { waypoints: waypoints.collect(), ..path.clone() }
         }).collect();
         let options = ShellOptions { points: 500, ..ShellOptions::default() };

@@ -196,7 +196,7 @@ fn middles_of_a_piece() {
     }
     // Sideways, and with steps that are none.
     let mut leaning = path;
-    leaning.waypoints.iter_mut().for_each(|at| at.direction = Vector3::x_axis());
+    leaning.waypoints.iter_mut().for_each(|at| at.axis = Vector3::x_axis());
     for step in [0.0, f64::NAN, -1.0, 100.0] {
         let [from, to] = piece.middles(std::slice::from_ref(&leaning), step)[..] else { panic!("two ends") };
         assert!((from - Point3::new(2.0 - HEIGHT / 2.0, 10.0, 2.0 + HEIGHT / 2.0)).norm() < 1e-9, "{from}");
@@ -214,8 +214,8 @@ fn nonsense_is_refused() {
     let one = |at: Waypoint| ToolPath { waypoints: vec![path.waypoints[0], at], ..path.clone() };
     let at = path.waypoints[1];
     let bad = [
-        Waypoint { tip: Point3::new(f64::NAN, 0.0, 0.0), ..at },
-        Waypoint { tip: Point3::new(1e300, 0.0, 0.0), ..at },
+        Waypoint { position: Point3::new(f64::NAN, 0.0, 0.0), ..at },
+        Waypoint { position: Point3::new(1e300, 0.0, 0.0), ..at },
         Waypoint { width: 0.0, ..at },
         Waypoint { height: f64::INFINITY, ..at },
         Waypoint { arc: -1.0, ..at },
@@ -260,12 +260,12 @@ fn beads() -> impl Strategy<Value = Vec<ToolPath>> {
 
 /// Points along a bead, each with middle and direction, some hundreds a segment; and where it is along the path.
 fn fine(path: &ToolPath, parts: usize) -> Vec<(Point3<f64>, Vector3<f64>, f64)> {
-    let middle = |at: &Waypoint| at.tip - at.direction.into_inner() * (0.5 * at.height);
+    let middle = |at: &Waypoint| at.position - at.axis.into_inner() * (0.5 * at.height);
     let mut points = Vec::new();
     for pair in path.waypoints.windows(2) {
         for k in 0..parts {
             let share = (k as f64 + 0.5) / parts as f64;
-            let direction = pair[0].direction.lerp(&pair[1].direction, share).normalize();
+            let direction = pair[0].axis.lerp(&pair[1].axis, share).normalize();
             let at = middle(&pair[0]) + (middle(&pair[1]) - middle(&pair[0])) * share;
             points.push((at, direction, pair[0].arc + (pair[1].arc - pair[0].arc) * share));
         }
@@ -335,8 +335,8 @@ proptest! {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
         let mut moved = paths.clone();
         for at in moved.iter_mut().flat_map(|path| &mut path.waypoints) {
-            at.tip = turn * at.tip + Vector3::new(by[0], by[1], 0.0);
-            at.direction = Unit::new_normalize(turn * at.direction.into_inner());
+            at.position = turn * at.position + Vector3::new(by[0], by[1], 0.0);
+            at.axis = Unit::new_normalize(turn * at.axis.into_inner());
         }
         // Rounding may turn single places.
         let [one, other] = [&paths, &moved].map(|paths| without_support(&checked(paths)));

@@ -2,10 +2,11 @@
 //!
 //! The slow twin looks at a raster of points through the thickness of every triangle, and at many places along each leg.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{go_on, layers, nozzle, rng, rough};
 
 use curvlay_toolpath::deposit::{DepositionError, DepositionOptions, MoveKind, deposit_along};
-use curvlay_toolpath::gouging::{GougingError, Nozzle, Obstacle};
+use curvlay_toolpath::gouging::{GougingError, Obstacle};
 use curvlay_toolpath::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use curvlay_toolpath::orientation::{Pose, ToolPath};
 use curvlay_toolpath::travel::{BlockedTravel, TravelOptions, Travels};
@@ -20,7 +21,7 @@ const H: f64 = 0.8;
 const PIECE: f64 = 0.02 * H;
 
 fn travels_with(layers: &[Layer], paths: &[ToolPath], options: &TravelOptions) -> Travels {
-    with_stack(layers, |stack| stack.travels(paths, &Nozzle::default(), options, &go_on).unwrap())
+    with_stack(layers, |stack| stack.travels(paths, &tip_1_mm(), options, &go_on).unwrap())
 }
 
 /// True distance from a point to the default nozzle, 0 inside.
@@ -83,9 +84,9 @@ fn is_sound_with(
         let way = &travels.ways[k];
         let (from, to) = (paths[k - 1].waypoints.last().unwrap(), paths[k].waypoints[0]);
         for (end, pose) in [(*from, way[0]), (to, way[way.len() - 1])] {
-            assert_eq!(pose.direction, end.direction);
-            let lift = (pose.tip - end.tip).dot(&end.direction);
-            assert!((pose.tip - end.tip - end.direction.into_inner() * lift).norm() < 1e-9);
+            assert_eq!(pose.direction, end.axis);
+            let lift = (pose.tip - end.position).dot(&end.axis);
+            assert!((pose.tip - end.position - end.axis.into_inner() * lift).norm() < 1e-9);
             assert!((options.min_lift - 1e-9..=options.max_lift + 1e-9).contains(&lift), "{lift}");
         }
         if travels.blocked.iter().any(|blocked| blocked.path == k) {
@@ -159,7 +160,7 @@ fn over_level_ground_the_lowest_way_is_taken() {
     let kinds: Vec<MoveKind> = plan.moves.iter().map(|m| m.kind).collect();
     use MoveKind::{Prime, Print, Retract, Travel};
     assert_eq!(kinds, [Travel, Travel, Print, Retract, Travel, Travel, Travel, Prime, Print, Print]);
-    assert!((plan.moves[4].tip.z - H - 2.0).abs() < 1e-12 && plan.moves[6].tip == paths[1].waypoints[0].tip);
+    assert!((plan.moves[4].tip.z - H - 2.0).abs() < 1e-12 && plan.moves[6].tip == paths[1].waypoints[0].position);
 }
 
 /// Over a dome from one side to the other: the nozzle turns on the way.
@@ -243,12 +244,12 @@ fn the_plate_is_kept_clear() {
     let layers = [ground];
     let travels = travels_with(&layers, &paths, &options);
     is_sound(&layers, &paths, &travels, &options);
-    paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.tip.z = 4.0);
+    paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.position.z = 4.0);
     let travels = travels_with(&layers, &paths, &options);
     is_sound(&layers, &paths, &travels, &options);
     assert!(travels.blocked.is_empty() && travels.lifted == 1);
     // Upside down there is no way out.
-    paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.direction = -Vector3::z_axis());
+    paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.axis = -Vector3::z_axis());
     let blocked = travels_with(&layers, &paths, &options).blocked;
     assert!(matches!(blocked[..], [BlockedTravel { path: 1, .. }]), "{blocked:?}");
 }
@@ -279,7 +280,7 @@ fn a_nozzle_that_lies_flat_over_the_plate_gets_away_from_it() {
     assert!(there.blocked.is_empty() && there.max_lift > options.min_lift);
     // Half a millimetre lower it is in the plate, and stays there.
     let mut paths = [lying(10.0, flat[0]), lying(25.0, flat[1])];
-    paths[0].waypoints.iter_mut().for_each(|w| w.tip.z = 9.5);
+    paths[0].waypoints.iter_mut().for_each(|w| w.position.z = 9.5);
     let blocked = travels_with(&layers, &paths, &options).blocked;
     assert!(matches!(blocked[..], [BlockedTravel { path: 1, obstacle: Obstacle::Plate, .. }]), "{blocked:?}");
 }
@@ -302,7 +303,7 @@ fn moved_layers_have_moved_ways() {
     let upright = |x: f64| path(1, &[11.5, 12.5].map(|y| (Point3::new(x, y, 0.8), Vector3::z())));
     let paths = [upright(12.0), upright(70.0)];
     let mut moved = paths.clone();
-    moved.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.tip = by * w.tip);
+    moved.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|w| w.position = by * w.position);
     let ways = travels_with(&shaft(), &paths, &options).ways;
     let other = travels_with(&shaft().map(|layer| layer.moved(&by)), &moved, &options).ways;
     for (a, b) in ways.iter().flatten().zip(other.iter().flatten()) {
@@ -316,7 +317,7 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     let good = path(0, &[1.0, 2.0].map(|x| (Point3::new(x, 5.0, H), Vector3::z())));
     let default = TravelOptions::default();
     let tried = |paths: &[ToolPath], options: &TravelOptions| {
-        with_stack(&layers, |stack| stack.travels(paths, &Nozzle::default(), options, &go_on))
+        with_stack(&layers, |stack| stack.travels(paths, &tip_1_mm(), options, &go_on))
     };
     for (name, options) in [
         ("clearance", TravelOptions { clearance: 0.0, ..default }),
@@ -331,11 +332,11 @@ fn options_and_paths_that_cannot_be_used_are_named() {
     let wrong = path(3, &[1.0, 2.0].map(|x| (Point3::new(x, 5.0, H), Vector3::z())));
     assert_eq!(tried(&[wrong], &default), Err(GougingError::Layer { path: 0, layer: 3, layers: 1 }));
     let mut bad = good.clone();
-    bad.waypoints[1].tip.x = f64::NAN;
+    bad.waypoints[1].position.x = f64::NAN;
     assert_eq!(tried(&[good.clone(), bad], &default), Err(GougingError::BadWaypoint { path: 1, waypoint: 1 }));
     let stop = |_| ControlFlow::Break(());
     let cancelled =
-        with_stack(&layers, |stack| stack.travels(std::slice::from_ref(&good), &Nozzle::default(), &default, &stop));
+        with_stack(&layers, |stack| stack.travels(std::slice::from_ref(&good), &tip_1_mm(), &default, &stop));
     assert_eq!(cancelled, Err(GougingError::Cancelled));
     assert!(tried(&[], &default).unwrap().ways.is_empty());
 

@@ -2,6 +2,7 @@
 //!
 //! The slow twin compares the directions of all pairs of waypoints of a piece that are no farther apart than a millimetre.
 
+use crate::common::nozzle::tip_1_mm;
 use crate::common::{creases, go_on, layers};
 
 use creases::{H, PIECE, groove_of, nowhere, rows, sheets};
@@ -17,7 +18,7 @@ use std::f64::consts::FRAC_PI_4;
 const TEN: f64 = 10_f64.to_radians();
 
 fn resolved_with(layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
-    resolved_by(&Nozzle::default(), layers, paths, options)
+    resolved_by(&tip_1_mm(), layers, paths, options)
 }
 
 fn resolved_by(nozzle: &Nozzle, layers: &[Layer], paths: &[ToolPath], options: &GougingOptions) -> ResolvedPaths {
@@ -27,9 +28,9 @@ fn resolved_by(nozzle: &Nozzle, layers: &[Layer], paths: &[ToolPath], options: &
 /// How deep the slim nozzle is in points of layers that lack a skin of a quarter.
 fn slow_depth(sheets: &[Point3<f64>], waypoint: &Waypoint) -> f64 {
     let clearance = |p: &Point3<f64>| {
-        let v = p - waypoint.tip;
-        let z = v.dot(&waypoint.direction);
-        slim().clearance(z, (v - waypoint.direction.into_inner() * z).norm())
+        let v = p - waypoint.position;
+        let z = v.dot(&waypoint.axis);
+        slim().clearance(z, (v - waypoint.axis.into_inner() * z).norm())
     };
     0.25 * H - sheets.iter().map(clearance).fold(f64::INFINITY, f64::min)
 }
@@ -47,7 +48,7 @@ fn sharpest(path: &ToolPath) -> f64 {
 
 /// The same where no step from one of the waypoints `sharp` is in between.
 fn sharpest_but(path: &ToolPath, sharp: &[usize]) -> f64 {
-    let ways: Vec<f64> = path.waypoints.windows(2).map(|pair| (pair[1].tip - pair[0].tip).norm()).collect();
+    let ways: Vec<f64> = path.waypoints.windows(2).map(|pair| (pair[1].position - pair[0].position).norm()).collect();
     let mut sharpest = 0.0_f64;
     for from in 0..ways.len() {
         let mut way = 0.0;
@@ -57,7 +58,7 @@ fn sharpest_but(path: &ToolPath, sharp: &[usize]) -> f64 {
             }
             way += ways[to - 1];
             if to == from + 1 || way <= 1.0 {
-                let turn = path.waypoints[from].direction.angle(&path.waypoints[to].direction);
+                let turn = path.waypoints[from].axis.angle(&path.waypoints[to].axis);
                 sharpest = sharpest.max(turn / f64::max(way, 1.0));
             }
         }
@@ -83,9 +84,9 @@ fn a_turn_is_spread_over_the_path() {
     assert!(sharpest(&resolved.paths[0]) <= TEN + 1e-8 && sharpest(&given) > 0.99);
     assert!((resolved.turns.max_per_mm - sharpest(&resolved.paths[0])).abs() < 1e-9);
     // A radian takes six millimetres, and as many again to begin and end it gently; the rest stays, and so do the tips.
-    let turned = waypoints.iter().zip(&given.waypoints).filter(|(now, given)| now.direction != given.direction);
+    let turned = waypoints.iter().zip(&given.waypoints).filter(|(now, given)| now.axis != given.axis);
     assert!((5..=20).contains(&turned.count()));
-    assert!(waypoints.iter().zip(&given.waypoints).all(|(now, given)| now.tip == given.tip));
+    assert!(waypoints.iter().zip(&given.waypoints).all(|(now, given)| now.position == given.position));
 }
 
 #[test]
@@ -133,9 +134,9 @@ fn a_path_is_cut_where_free_directions_turn_too_sharply() {
     assert_eq!((resolved.paths.len(), cut.path, cut.waypoint), (2, 1, 0));
     let [end, start] =
         [resolved.paths[0].waypoints[resolved.paths[0].waypoints.len() - 1], resolved.paths[1].waypoints[0]];
-    assert!(cut.angle > TEN && (end.direction.angle(&start.direction) - cut.angle).abs() < 1e-9);
+    assert!(cut.angle > TEN && (end.axis.angle(&start.axis) - cut.angle).abs() < 1e-9);
     // The ends of the beads fill what is not printed between them.
-    assert!((end.tip - start.tip).norm() < WIDE && resolved.gaps == 0.0 && resolved.sharp.is_empty());
+    assert!((end.position - start.position).norm() < WIDE && resolved.gaps == 0.0 && resolved.sharp.is_empty());
     let raster: Vec<_> = sheets(&layers[..1], 0.1).into_iter().filter(|p| p.y.abs() < 12.0 && p.z < 15.0).collect();
     for path in &resolved.paths {
         assert!(sharpest(path) <= TEN + 1e-8, "{}", sharpest(path).to_degrees());
@@ -169,9 +170,9 @@ fn the_nozzle_leaves_the_part_at_a_cut() {
     assert!(travels.blocked.is_empty() && travels.ways[1].len() >= 2, "{travels:?}");
     // Even where the next piece begins at the end of the last one.
     let mut paths = resolved.paths;
-    let end = paths[0].waypoints[paths[0].waypoints.len() - 1].tip;
-    let shift = end - paths[1].waypoints[0].tip;
-    paths[1].waypoints.iter_mut().for_each(|waypoint| waypoint.tip += shift);
+    let end = paths[0].waypoints[paths[0].waypoints.len() - 1].position;
+    let shift = end - paths[1].waypoints[0].position;
+    paths[1].waypoints.iter_mut().for_each(|waypoint| waypoint.position += shift);
     let plan = deposit_along(&paths, &[Vec::new(), travels.ways[1].clone()], &Default::default()).unwrap();
     assert_eq!(plan.retractions, 1);
 }
@@ -193,8 +194,8 @@ proptest! {
         }
         for turn in &resolved.sharp {
             let [from, to] = [0, 1].map(|k| resolved.paths[turn.path].waypoints[turn.waypoint + k]);
-            prop_assert!((from.direction.angle(&to.direction) - turn.angle).abs() < 1e-9);
-            prop_assert!((to.tip - from.tip).norm() > to.width);
+            prop_assert!((from.axis.angle(&to.axis) - turn.angle).abs() < 1e-9);
+            prop_assert!((to.position - from.position).norm() > to.width);
         }
         prop_assert!((Turns::of(&resolved.paths).max_per_mm - sharpest_of_all).abs() < 1e-9);
         for cut in &resolved.cut_turns {
@@ -204,7 +205,7 @@ proptest! {
             let of_curve = || resolved.paths.iter().filter(|path| path.curve == whole.curve);
             let left_out = || resolved.left_out.iter().filter(|piece| piece.curve == whole.curve);
             for given in &whole.waypoints {
-                let is_laid = |w: &Waypoint| (w.bead_top() - given.tip).norm() < 1e-9;
+                let is_laid = |w: &Waypoint| (w.bead_top() - given.position).norm() < 1e-9;
                 let is_printed = of_curve().any(|path| path.waypoints.iter().any(is_laid));
                 prop_assert!(is_printed || left_out().any(|p| (p.arcs[0]..=p.arcs[1]).contains(&given.arc)));
             }

@@ -35,8 +35,8 @@ fn integers(file: &[u8], name: &str) -> Vec<i32> {
 #[test]
 fn arrays_hold_what_is_printed() {
     let at = |x: f64, z: f64, kind| Waypoint {
-        tip: Point3::new(x, 0.5, z),
-        direction: Vector3::z_axis(),
+        position: Point3::new(x, 0.5, z),
+        axis: Vector3::z_axis(),
         width: 0.5 + x / 100.0,
         height: 0.25,
         arc: x,

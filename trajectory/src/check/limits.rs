@@ -22,69 +22,96 @@ pub(super) fn check<const N: usize>(
 ) -> Rates<N> {
     let mut rates =
         Rates { joints: [JointPeaks::default(); N], seconds_over_acceleration: 0.0, seconds_over_jerk: 0.0 };
-    let peak = |time, value| PrintPeak { value, motion, time };
-    let allowed = 1.0 + options.slack;
-    let most = |limits: &[f64; N], joint: usize| limits[joint] * allowed;
-    for peaks in &mut rates.joints {
-        // Where it begins, also if it never moves.
-        let start = peak(curve.times[0], 0.0);
-        *peaks = JointPeaks { velocity: start, acceleration: start, jerk: start };
-    }
+    // Where it begins, also if it never moves.
+    let start = PrintPeak { value: 0.0, motion, time: curve.times[0] };
+    rates.joints.fill(JointPeaks { velocity: start, acceleration: start, jerk: start });
+    let motion = Motion { number: motion, curve, bounds, options };
     for piece in 0..curve.pieces() {
-        let begin = curve.times[piece];
-        let (mut within, mut over_jerk) = ((0.0f64, curve.times[piece + 1] - begin), false);
-        let h = within.1;
+        let h = curve.times[piece + 1] - curve.times[piece];
+        let (mut within, mut over_jerk) = ((0.0f64, h), false);
         for joint in 0..N {
-            let cubic = curve.cubic(piece, joint);
-            let at = |s: f64| if s >= h { curve.times[piece + 1] } else { begin + s };
-            let mut limit = |badness, peak: PrintPeak, what, limit| {
-                let kind = FindingKind::Limit { joint, what, value: peak.value, limit };
-                findings.add(badness, motion, peak.time, kind);
-            };
-            let (low, high) = positions(&cubic, |s, value| peak(at(s), value));
-            if low.value < bounds.lower[joint] - options.position_slack {
-                limit(bounds.lower[joint] - low.value, low, Quantity::Position, bounds.lower[joint]);
-            }
-            if high.value > bounds.upper[joint] + options.position_slack {
-                limit(high.value - bounds.upper[joint], high, Quantity::Position, bounds.upper[joint]);
-            }
-            let mut velocity = peak(begin, cubic.v);
-            cubic.crest().into_iter().for_each(|s| raise(&mut velocity, peak(at(s), cubic.velocity(s))));
-            raise(&mut velocity, peak(at(h), cubic.v_end));
-            let mut acceleration = peak(begin, cubic.a);
-            raise(&mut acceleration, peak(at(h), cubic.a_end));
-            let jerk = peak(begin, cubic.j);
-            let limited = [
-                (Quantity::Velocity, velocity, &bounds.velocity),
-                (Quantity::Acceleration, acceleration, &bounds.acceleration),
-                (Quantity::Jerk, jerk, &bounds.jerk),
-            ];
-            for (what, peak, limits) in limited {
-                if peak.value.abs() > most(limits, joint) {
-                    limit(peak.value.abs() / limits[joint], peak, what, limits[joint].copysign(peak.value));
-                }
-            }
-            let peaks = &mut rates.joints[joint];
-            raise(&mut peaks.velocity, velocity);
-            raise(&mut peaks.acceleration, acceleration);
-            raise(&mut peaks.jerk, jerk);
-            let (from, to) = held(&cubic, most(&bounds.acceleration, joint));
+            let peaks = motion.check_joint(piece, joint, findings);
+            let most = &mut rates.joints[joint];
+            raise(&mut most.velocity, peaks.velocity);
+            raise(&mut most.acceleration, peaks.acceleration);
+            raise(&mut most.jerk, peaks.jerk);
+            // Acceleration is linear on a piece: it is within the limit in one interval, and all joints are where these overlap.
+            let (from, to) = held(&curve.cubic(piece, joint), motion.most(&bounds.acceleration, joint));
             within = (within.0.max(from), within.1.min(to));
-            over_jerk |= jerk.value.abs() > most(&bounds.jerk, joint);
+            over_jerk |= peaks.jerk.value.abs() > motion.most(&bounds.jerk, joint);
         }
         rates.seconds_over_acceleration += h - (within.1 - within.0).max(0.0);
         rates.seconds_over_jerk += if over_jerk { h } else { 0.0 };
     }
-    let last = curve.pieces() - 1;
-    for joint in 0..N {
-        let ends = [(curve.times[0], curve.cubic(0, joint).a), (curve.times[last + 1], curve.cubic(last, joint).a_end)];
-        for (time, acceleration) in ends {
-            if acceleration.abs() > options.max_end_acceleration {
-                findings.add(acceleration.abs(), motion, time, FindingKind::Jump { joint, acceleration });
+    motion.check_ends(findings);
+    rates
+}
+
+/// A motion that is checked.
+struct Motion<'a, const N: usize> {
+    number: usize,
+    curve: &'a Curve<'a, N>,
+    bounds: &'a Bounds<N>,
+    options: &'a CheckOptions,
+}
+
+impl<const N: usize> Motion<'_, N> {
+    /// A limit with the slack that the check allows.
+    fn most(&self, limits: &[f64; N], joint: usize) -> f64 {
+        limits[joint] * (1.0 + self.options.slack)
+    }
+
+    /// Checks one joint on one piece. Returns its greatest rates there.
+    fn check_joint(&self, piece: usize, joint: usize, findings: &mut Findings) -> JointPeaks {
+        let Motion { number: motion, curve, bounds, options } = *self;
+        let (begin, end) = (curve.times[piece], curve.times[piece + 1]);
+        let h = end - begin;
+        let cubic = curve.cubic(piece, joint);
+        let at = |s: f64, value| PrintPeak { value, motion, time: if s >= h { end } else { begin + s } };
+        let mut limit = |badness, peak: PrintPeak, what, limit| {
+            let kind = FindingKind::Limit { joint, what, value: peak.value, limit };
+            findings.add(badness, motion, peak.time, kind);
+        };
+        let (low, high) = positions(&cubic, at);
+        if low.value < bounds.lower[joint] - options.position_slack {
+            limit(bounds.lower[joint] - low.value, low, Quantity::Position, bounds.lower[joint]);
+        }
+        if high.value > bounds.upper[joint] + options.position_slack {
+            limit(high.value - bounds.upper[joint], high, Quantity::Position, bounds.upper[joint]);
+        }
+        let mut velocity = at(0.0, cubic.v);
+        cubic.crest().into_iter().for_each(|s| raise(&mut velocity, at(s, cubic.velocity(s))));
+        raise(&mut velocity, at(h, cubic.v_end));
+        let mut acceleration = at(0.0, cubic.a);
+        raise(&mut acceleration, at(h, cubic.a_end));
+        let jerk = at(0.0, cubic.j);
+        let limited = [
+            (Quantity::Velocity, velocity, &bounds.velocity),
+            (Quantity::Acceleration, acceleration, &bounds.acceleration),
+            (Quantity::Jerk, jerk, &bounds.jerk),
+        ];
+        for (what, peak, limits) in limited {
+            if peak.value.abs() > self.most(limits, joint) {
+                limit(peak.value.abs() / limits[joint], peak, what, limits[joint].copysign(peak.value));
+            }
+        }
+        JointPeaks { velocity, acceleration, jerk }
+    }
+
+    /// Checks that both ends are at rest: velocities are zero there by construction, accelerations are not.
+    fn check_ends(&self, findings: &mut Findings) {
+        let curve = self.curve;
+        let last = curve.pieces() - 1;
+        for joint in 0..N {
+            let begin = (curve.times[0], curve.cubic(0, joint).a);
+            let end = (curve.times[last + 1], curve.cubic(last, joint).a_end);
+            for (time, acceleration) in [begin, end] {
+                if acceleration.abs() > self.options.max_end_acceleration {
+                    findings.add(acceleration.abs(), self.number, time, FindingKind::Jump { joint, acceleration });
+                }
             }
         }
     }
-    rates
 }
 
 /// The least and the greatest position on a piece.

@@ -149,48 +149,92 @@ pub(super) fn best_chain<const N: usize, const F: usize>(
     let most = most * (1.0 + COST_TOLERANCE);
     let mut lists: Vec<Vec<Pair<N>>> = Vec::with_capacity(nodes.len());
     for at in 1..nodes.len() {
-        let step = times[at] - times[at - 1];
-        let mut pairs = Vec::new();
         let before = lists.last().map_or(&[][..], Vec::as_slice);
-        let mut into: Vec<Arrivals<N>> = nodes[at - 1].iter().map(|_| Arrivals::default()).collect();
-        before.iter().enumerate().for_each(|(index, pair)| into[pair.to].pairs.push(index));
-        into.iter_mut().for_each(|arrivals| arrivals.sort(before, price.bounds));
-        let halves = times.get(at.wrapping_sub(2)).map(|before| 0.5 * (times[at] - before));
-        for (from, a) in nodes[at - 1].iter().enumerate() {
-            let arrivals = &into[from];
-            if at > 1 && arrivals.pairs.is_empty() {
+        let stage = Stage {
+            price,
+            angle,
+            most,
+            step: times[at] - times[at - 1],
+            halves: times.get(at.wrapping_sub(2)).map(|before| 0.5 * (times[at] - before)),
+            before,
+        };
+        lists.push(stage.pairs(&nodes[at - 1], &nodes[at]));
+    }
+    trace(nodes, &lists)
+}
+
+/// A waypoint and the one before it, between which pairs of samples are found.
+struct Stage<'a, const N: usize> {
+    price: &'a Price<'a, N>,
+    /// Which of the free parameters is the angle of the tool.
+    angle: usize,
+    /// What a chain may cost.
+    most: f64,
+    /// Seconds from the waypoint before.
+    step: f64,
+    /// Half the seconds from the one before that, if there is one.
+    halves: Option<f64>,
+    /// The pairs of the waypoint before.
+    before: &'a [Pair<N>],
+}
+
+impl<const N: usize> Stage<'_, N> {
+    /// The pairs from samples of the waypoint before to those of this one that a chain within the cost can have, each with the best pair before it.
+    fn pairs<const F: usize>(&self, from: &[Node<N, F>], to: &[Node<N, F>]) -> Vec<Pair<N>> {
+        let mut into: Vec<Arrivals<N>> = from.iter().map(|_| Arrivals::default()).collect();
+        self.before.iter().enumerate().for_each(|(index, pair)| into[pair.to].pairs.push(index));
+        into.iter_mut().for_each(|arrivals| arrivals.sort(self.before, self.price.bounds));
+        let mut pairs = Vec::new();
+        for (a, arrivals) in from.iter().zip(&into) {
+            if self.halves.is_some() && arrivals.pairs.is_empty() {
                 continue;
             }
             // The best pair before, for the sample before.
             let mut like = None;
-            for (to, b) in nodes[at].iter().enumerate() {
-                if short_way(b.free[angle] - a.free[angle]).abs() > MAX_TURN_SPEED * step {
+            for (to, b) in to.iter().enumerate() {
+                if short_way(b.free[self.angle] - a.free[self.angle]).abs() > MAX_TURN_SPEED * self.step {
                     continue;
                 }
-                let Some((velocity, own)) = price.step(&a.joints, &b.joints, step) else { continue };
-                let (mut cost, mut back) = (if at > 1 { f64::INFINITY } else { 0.0 }, 0);
-                if let Some(halves) = halves {
-                    let mut look = |index: usize| {
-                        let sum = price.bend(before[index].cost, &before[index].velocity, &velocity, halves, cost);
-                        if sum < cost {
-                            (cost, back) = (sum, index);
-                        }
-                        cost
-                    };
-                    let known = like.map_or(most, |like| look(like).min(most));
-                    let reach = halves * price.reach(arrivals.by, known - arrivals.least);
-                    arrivals.near(before, velocity[arrivals.by], reach).for_each(|index| {
-                        look(index);
-                    });
-                    like = (cost < f64::INFINITY).then_some(back);
-                }
-                if cost + own <= most {
+                let Some((velocity, own)) = self.price.step(&a.joints, &b.joints, self.step) else { continue };
+                let (cost, back) = match self.halves {
+                    Some(halves) => {
+                        let (cost, back) = self.cheapest(arrivals, &velocity, halves, like);
+                        like = (cost < f64::INFINITY).then_some(back);
+                        (cost, back)
+                    }
+                    None => (0.0, 0),
+                };
+                if cost + own <= self.most {
                     pairs.push(Pair { to, velocity, cost: cost + own, back });
                 }
             }
         }
-        lists.push(pairs);
+        pairs
     }
+
+    /// The cheapest pair to arrive by, for a velocity behind it. The one that was cheapest for a like velocity, `like`, gives a cost beyond
+    /// which none has to be looked at.
+    fn cheapest(&self, arrivals: &Arrivals<N>, velocity: &[f64; N], halves: f64, like: Option<usize>) -> (f64, usize) {
+        let (mut cost, mut back) = (f64::INFINITY, 0);
+        let mut look = |index: usize| {
+            let Pair { cost: sum, velocity: arriving, .. } = &self.before[index];
+            let sum = self.price.bend(*sum, arriving, velocity, halves, cost);
+            if sum < cost {
+                (cost, back) = (sum, index);
+            }
+            cost
+        };
+        let known = like.map_or(self.most, |like| look(like).min(self.most));
+        let reach = halves * self.price.reach(arrivals.by, known - arrivals.least);
+        for index in arrivals.near(self.before, velocity[arrivals.by], reach) {
+            look(index);
+        }
+        (cost, back)
+    }
+}
+
+/// Goes back from the cheapest of the last pairs.
+fn trace<const N: usize, const F: usize>(nodes: &[Vec<Node<N, F>>], lists: &[Vec<Pair<N>>]) -> Option<Vec<[f64; F]>> {
     let mut at = lists.len();
     let last = lists.last()?.iter().enumerate().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
     let mut index = last.0;

@@ -10,10 +10,10 @@
 //! [`GlobalOptions::rise`] more of that integral.
 
 use super::avoid::Avoid;
-use super::descent::{Descent, Merit};
+use super::descent::Descent;
 use super::first::smooth_first;
 use super::model::Model;
-use super::motion::{GlobalMotion, GlobalStatus, GlobalStep, MissedReport};
+use super::motion::{GlobalMotion, GlobalStatus, GlobalStep, MissedReport, PeakReport};
 use super::options::{GlobalError, GlobalOptions, check};
 use super::peak::lower_peak;
 use super::point::{Point, Unreachable};
@@ -168,35 +168,73 @@ fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         settled = settled && done;
         peak = Some(report);
     }
-    let step = |merit: &Merit| GlobalStep { squared_jerk: merit.squared_jerk, peak: merit.peak };
-    let history = descent.history.iter().map(step).collect();
-    let point = descent.point;
-    let trajectory = Trajectory::new(line, &point.knots)?;
-    let violations = trajectory.violations(bounds, 1e-9);
-    let status = match (violations.is_empty(), settled) {
-        (false, _) => GlobalStatus::BoundsMissed,
-        (true, true) => GlobalStatus::Solved,
-        (true, false) => GlobalStatus::Rounds,
-    };
-    let predicted = |joints: &[f64; N]| avoid.is_some_and(|avoid| avoid.indicator.predicts(joints));
-    let report = MissedReport { total: first.missed, lower_bound: first.min_missed.min(first.missed) };
-    let misses = violations.iter().any(|violation| violation.quantity != Quantity::Jerk);
-    let is_near_singular = |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.near_singular);
-    Ok(GlobalMotion {
-        collisions: (trajectory.at_waypoints().iter().enumerate())
-            .filter_map(|(waypoint, joints)| predicted(joints).then_some(waypoint))
+    let smoothed = Smoothed {
+        history: descent
+            .history
+            .iter()
+            .map(|merit| GlobalStep { squared_jerk: merit.squared_jerk, peak: merit.peak })
             .collect(),
-        near_singular: (0..point.free.len()).filter(is_near_singular).collect(),
-        nodes: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
-            .map(|((&joints, &free), &branch)| LadderNode { joints, free, branch })
-            .collect(),
-        trajectory,
-        status,
-        missed: (misses && avoid.is_none()).then_some(report),
-        violations,
+        point: descent.point,
         squared_jerk: [begin, smooth.squared_jerk],
+        missed: MissedReport { total: first.missed, lower_bound: first.min_missed.min(first.missed) },
         peak,
         rounds,
-        history,
-    })
+        settled,
+    };
+    smoothed.motion(line, branches, bounds, options, avoid)
+}
+
+/// Where the descent has ended.
+struct Smoothed<const N: usize, const F: usize> {
+    point: Point<N, F>,
+    history: Vec<GlobalStep>,
+    /// At the start and after the first pass.
+    squared_jerk: [f64; 2],
+    /// By how much bounds must be missed.
+    missed: MissedReport,
+    peak: Option<PeakReport>,
+    rounds: [usize; 2],
+    settled: bool,
+}
+
+impl<const N: usize, const F: usize> Smoothed<N, F> {
+    /// The spline through the knots, and what is wrong with it: the spline is what runs, so it is looked at and not the program's rows.
+    fn motion(
+        self,
+        line: &Timeline,
+        branches: &[u32],
+        bounds: &Bounds<N>,
+        options: &GlobalOptions,
+        avoid: Option<Avoid<'_, N>>,
+    ) -> Result<GlobalMotion<N, F>, GlobalError> {
+        let point = self.point;
+        let trajectory = Trajectory::new(line, &point.knots)?;
+        let violations = trajectory.violations(bounds, 1e-9);
+        let status = match (violations.is_empty(), self.settled) {
+            (false, _) => GlobalStatus::BoundsMissed,
+            (true, true) => GlobalStatus::Solved,
+            (true, false) => GlobalStatus::Rounds,
+        };
+        let predicted = |joints: &[f64; N]| avoid.is_some_and(|avoid| avoid.indicator.predicts(joints));
+        let misses = violations.iter().any(|violation| violation.quantity != Quantity::Jerk);
+        let is_near_singular =
+            |&waypoint: &usize| point.norms[waypoint].iter().any(|&norm| norm > options.near_singular);
+        Ok(GlobalMotion {
+            collisions: (trajectory.at_waypoints().iter().enumerate())
+                .filter_map(|(waypoint, joints)| predicted(joints).then_some(waypoint))
+                .collect(),
+            near_singular: (0..point.free.len()).filter(is_near_singular).collect(),
+            nodes: (trajectory.at_waypoints().iter().zip(&point.free).zip(branches))
+                .map(|((&joints, &free), &branch)| LadderNode { joints, free, branch })
+                .collect(),
+            trajectory,
+            status,
+            missed: (misses && avoid.is_none()).then_some(self.missed),
+            violations,
+            squared_jerk: self.squared_jerk,
+            peak: self.peak,
+            rounds: self.rounds,
+            history: self.history,
+        })
+    }
 }

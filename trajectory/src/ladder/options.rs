@@ -36,7 +36,7 @@ pub enum LadderSearch {
     serde(default, deny_unknown_fields, bound(deserialize = ""))
 )]
 pub struct LadderOptions<const N: usize, const F: usize> {
-    /// Samples of each free parameter to begin with. Default 4, as in section 4.3.1; 360 is the dense graph of Table
+    /// Samples of each free parameter to begin with; one for a range of a single value. Default 4, as in section 4.3.1; 360 is the dense graph of Table
     /// 4.2.
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub samples: [u32; F],

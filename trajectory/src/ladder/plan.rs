@@ -55,9 +55,11 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 ) -> Result<Ladder<N, F>, LadderError> {
     check(robot.waypoints(), times, bounds, options)?;
     let plan = Plan { robot, times, bounds, options, progress };
-    let mut samples = options.samples;
+    let range = robot.free();
+    let different = |samples: [u32; F]| std::array::from_fn(|f| range[f].samples(samples[f]));
+    let mut samples = different(options.samples);
     for doubling in 0.. {
-        let last = doubling == options.doublings || count(&samples.map(|n| n * 2)) > MAX_SAMPLES;
+        let last = doubling == options.doublings || count(&different(samples.map(|n| n * 2))) > MAX_SAMPLES;
         match plan.path(samples, last && options.breaks) {
             Ok(path) => return plan.refined(path, samples),
             Err(Stuck::Failed(error)) => return Err(error),
@@ -70,7 +72,7 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             Err(Stuck::Lost(waypoint)) if last => {
                 return Err(LadderError::NotFound { waypoint, samples: count(&samples) });
             }
-            Err(_) => samples = samples.map(|n| n * 2),
+            Err(_) => samples = different(samples.map(|n| n * 2)),
         }
     }
     unreachable!("the last doubling returns")

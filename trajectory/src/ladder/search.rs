@@ -110,14 +110,29 @@ struct Column {
     best: u32,
 }
 
+/// How far a search has come.
+struct Front<const N: usize> {
+    /// Costs of the last waypoints, the one before last.
+    recent: VecDeque<Vec<f64>>,
+    /// Nodes of the waypoint before.
+    before: Nodes<N>,
+    /// The joints to sort by.
+    by: [usize; 2],
+}
+
+impl<const N: usize> Front<N> {
+    /// Costs of the waypoint before.
+    fn costs(&self) -> &[f64] {
+        self.recent.back().map_or(&[][..], Vec::as_slice)
+    }
+}
+
 impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R> {
     /// Finds a path through the samples of `windows`.
     pub fn run(&self, windows: &mut dyn Windows<F>) -> Result<Path<N, F>, Stuck> {
+        let mut front = Front::<N> { recent: VecDeque::new(), before: Nodes::default(), by: [0, 0] };
         let mut columns: Vec<Column> = Vec::with_capacity(self.waypoints.len());
-        let (mut nodes, mut before) = (Nodes::<N>::default(), Nodes::<N>::default());
-        // Costs of the last waypoints, the one before last.
-        let mut recent: VecDeque<Vec<f64>> = VecDeque::new();
-        let mut by = [0, 0];
+        let mut nodes = Nodes::<N>::default();
         let a_break = if self.breaks { self.of_a_break() } else { 0.0 };
         while columns.len() < self.waypoints.len() {
             let at = columns.len();
@@ -130,48 +145,61 @@ impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R
             if nodes.joints.len() >= MAX_NODES {
                 return Err(Stuck::Failed(LadderError::TooLarge { waypoint, max: MAX_NODES }));
             }
-            let costs_before = recent.back().map_or(&[][..], Vec::as_slice);
-            let reached = if at == 0 {
-                (!nodes.joints.is_empty()).then(|| self.begin(&nodes))
-            } else {
-                if at % CHOOSE_AFTER == 1 {
-                    by = best_pair(&before.joints, &self.kinds, &self.limits(at));
-                }
-                let anew = if self.breaks { least(costs_before).1 + a_break } else { f64::INFINITY };
-                self.reach(at, (&before, costs_before), &nodes, by, anew)
-            };
-            if reached.is_none() {
-                // It takes the costs of the waypoint before to go on from there.
-                let forgotten = at - recent.len();
-                let earliest = if forgotten > 0 { forgotten + 1 } else { 0 };
-                if let Some(first) = windows.widen(at, earliest) {
-                    // Back to the first waypoint that has changed.
-                    recent.truncate(recent.len() - (at - first));
-                    columns.truncate(first);
-                    if first > 0 && first < at {
-                        let waypoint = self.waypoints[first - 1];
-                        before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MAX_NODES);
+            match self.advance(at, &mut front, &nodes, a_break) {
+                Some((costs, back)) => {
+                    columns.push(Column { starts: std::mem::take(&mut nodes.starts), back, best: least(&costs).0 });
+                    std::mem::swap(&mut nodes, &mut front.before);
+                    if front.recent.len() > windows.back() {
+                        front.recent.pop_front();
                     }
-                    continue;
+                    front.recent.push_back(costs);
+                }
+                None => {
+                    let first = self.widen(at, windows, &mut front);
+                    columns.truncate(first.ok_or_else(|| self.stuck(at, &front, &nodes))?);
                 }
             }
-            let Some((costs, back)) = reached else {
-                if nodes.joints.is_empty() {
-                    return Err(Stuck::Unreachable(waypoint));
-                }
-                let share = self.nearest(&before.joints, costs_before, &nodes.joints, &self.limits(at));
-                return Err(Stuck::Apart(waypoint, share));
-            };
-            columns.push(Column { starts: std::mem::take(&mut nodes.starts), back, best: least(&costs).0 });
-            std::mem::swap(&mut nodes, &mut before);
-            if recent.len() > windows.back() {
-                recent.pop_front();
-            }
-            recent.push_back(costs);
         }
-        let cost = recent.back().map_or(0.0, |costs| least(costs).1);
+        let cost = front.recent.back().map_or(0.0, |costs| least(costs).1);
         let (nodes, breaks) = self.trace(windows, &columns);
         Ok(Path { cost: cost - breaks.len() as f64 * a_break, nodes, breaks })
+    }
+
+    /// The cost of each node of a waypoint and where its cheapest way comes from; `None` when none is in reach.
+    fn advance(&self, at: usize, front: &mut Front<N>, nodes: &Nodes<N>, a_break: f64) -> Option<(Vec<f64>, Vec<u32>)> {
+        if at == 0 {
+            return (!nodes.joints.is_empty()).then(|| self.begin(nodes));
+        }
+        if at % CHOOSE_AFTER == 1 {
+            front.by = best_pair(&front.before.joints, &self.kinds, &self.limits(at));
+        }
+        let costs_before = front.costs();
+        let anew = if self.breaks { least(costs_before).1 + a_break } else { f64::INFINITY };
+        self.reach(at, (&front.before, costs_before), nodes, front.by, anew)
+    }
+
+    /// Takes in more samples where there is no way on, and goes back to the first waypoint that has changed. Returns it; `None` where there
+    /// are no more samples. It takes the costs of the waypoint before to go on from there.
+    fn widen(&self, at: usize, windows: &mut dyn Windows<F>, front: &mut Front<N>) -> Option<usize> {
+        let forgotten = at - front.recent.len();
+        let earliest = if forgotten > 0 { forgotten + 1 } else { 0 };
+        let first = windows.widen(at, earliest)?;
+        front.recent.truncate(front.recent.len() - (at - first));
+        if first > 0 && first < at {
+            let waypoint = self.waypoints[first - 1];
+            front.before.fill(self.robot, waypoint, &windows.at(first - 1), &self.kinds, MAX_NODES);
+        }
+        Some(first)
+    }
+
+    /// Why there is no way to a waypoint.
+    fn stuck(&self, at: usize, front: &Front<N>, nodes: &Nodes<N>) -> Stuck {
+        let waypoint = self.waypoints[at];
+        if nodes.joints.is_empty() {
+            return Stuck::Unreachable(waypoint);
+        }
+        let share = self.nearest(&front.before.joints, front.costs(), &nodes.joints, &self.limits(at));
+        Stuck::Apart(waypoint, share)
     }
 
     /// The cost of a break: more than that of all ways together.

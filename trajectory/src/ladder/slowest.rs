@@ -129,51 +129,69 @@ pub fn min_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
     let kinds = Kind::of(bounds, &[false; N]);
     let cut = Cut { robot, kinds, velocity: bounds.velocity };
     let mut count = FIRST.min(samples);
-    let mut columns: Vec<Vec<Cell<N>>> = Vec::with_capacity(waypoints.len());
-    for waypoint in waypoints.clone() {
-        let all = cut.all(waypoint, start, length / f64::from(count), count);
-        if all.is_empty() {
-            return Err(LadderError::Unreachable { waypoint, samples: u64::from(count) });
-        }
-        columns.push(all);
-    }
-    let mut times = &times[waypoints.clone()];
-    let mut start_at = waypoints.start;
-    let mut found = MinSpeed { lower_bound: 0.0, reached: f64::INFINITY, waypoints: waypoints.clone() };
+    let mut segment = Segment {
+        times: &times[waypoints.clone()],
+        columns: cut.columns(waypoints.clone(), start, length / f64::from(count), count)?,
+        first: waypoints.start,
+    };
+    let mut found = MinSpeed { lower_bound: 0.0, reached: f64::INFINITY, waypoints };
     loop {
         let step = Progress { stage: "least speed", done: u64::from(count), total: u64::from(samples) };
         if progress(step).is_break() {
             return Err(LadderError::Cancelled);
         }
-        cut.propagate(&mut columns, times, found.reached, true);
-        columns.iter_mut().flatten().for_each(|cell| cell.back = cell.least);
-        let ahead = cut.propagate(&mut columns, times, found.reached, false);
+        segment.bound(&cut, &mut found);
+        count = count.saturating_mul(2);
+        for cells in &mut segment.columns {
+            cells.retain(|cell| cell.back.max(cell.least) <= found.reached);
+        }
+        let left: usize = segment.columns.iter().map(Vec::len).sum();
+        if count > samples || found.reached - found.lower_bound < MET || 2 * left > MAX_CELLS {
+            return Ok(found);
+        }
+        segment.halve(&cut, length / f64::from(count));
+    }
+}
+
+/// The segment that is looked at, with the cells of its waypoints that are left.
+struct Segment<'a, const N: usize> {
+    /// The number of its first waypoint.
+    first: usize,
+    times: &'a [f64],
+    columns: Vec<Vec<Cell<N>>>,
+}
+
+impl<const N: usize> Segment<'_, N> {
+    /// Bounds the speed from below and above. Where the bound is above the limits already, only the bottleneck is left to look at.
+    fn bound<R: Robot<N, 1> + ?Sized>(&mut self, cut: &Cut<'_, N, R>, found: &mut MinSpeed) {
+        cut.propagate(&mut self.columns, self.times, found.reached, true);
+        self.columns.iter_mut().flatten().for_each(|cell| cell.back = cell.least);
+        let ahead = cut.propagate(&mut self.columns, self.times, found.reached, false);
         found.lower_bound = found.lower_bound.max(ahead.0);
         found.reached = ahead.1;
-        // The last waypoint from which, and the first one to which every chain needs as much.
-        let needed = found.lower_bound * (1.0 - 1e-9);
+        let narrow = self.bottleneck(found.lower_bound * (1.0 - 1e-9));
+        found.waypoints = self.first + narrow.start..self.first + narrow.end;
+        if found.lower_bound > 1.0 {
+            // The speed limits do not hold on this segment; the rest only takes time.
+            self.columns = self.columns.drain(narrow.clone()).collect();
+            self.times = &self.times[narrow.clone()];
+            self.first += narrow.start;
+        }
+    }
+
+    /// From the last waypoint from which, to the first one to which every chain needs as much.
+    fn bottleneck(&self, needed: f64) -> Range<usize> {
+        let columns = &self.columns;
         let from = columns.iter().rposition(|cells| cells.iter().all(|cell| cell.back >= needed)).unwrap_or(0);
         let to = columns.iter().position(|cells| cells.iter().all(|cell| cell.least >= needed));
         let to = to.unwrap_or(columns.len() - 1);
         // Two bottlenecks as narrow as each other: both are kept.
-        let segment = if from < to { from..to + 1 } else { 0..columns.len() };
-        found.waypoints = start_at + segment.start..start_at + segment.end;
-        if found.lower_bound > 1.0 {
-            // The speed limits do not hold on this segment; the rest only takes time.
-            columns = columns.drain(segment.clone()).collect();
-            times = &times[segment.clone()];
-            start_at += segment.start;
-        }
-        count = count.saturating_mul(2);
-        for cells in &mut columns {
-            cells.retain(|cell| cell.back.max(cell.least) <= found.reached);
-        }
-        let left: usize = columns.iter().map(Vec::len).sum();
-        if count > samples || found.reached - found.lower_bound < MET || 2 * left > MAX_CELLS {
-            return Ok(found);
-        }
-        for (waypoint, cells) in (start_at..).zip(&mut columns) {
-            let width = length / f64::from(count);
+        if from < to { from..to + 1 } else { 0..columns.len() }
+    }
+
+    /// Halves all cells; `width` is that of a half.
+    fn halve<R: Robot<N, 1> + ?Sized>(&mut self, cut: &Cut<'_, N, R>, width: f64) {
+        for (waypoint, cells) in (self.first..).zip(&mut self.columns) {
             let halves = |cell: &Cell<N>| [0.0, 1.0].map(|second| (cell.branch, cell.from + second * width));
             let parts: Vec<(u32, f64)> = cells.iter().flat_map(halves).collect();
             let cells_now = parts.into_iter().filter_map(|(branch, from)| cut.cell(waypoint, branch, from, width));
@@ -190,6 +208,21 @@ struct Cut<'a, const N: usize, R: ?Sized> {
 }
 
 impl<const N: usize, R: Robot<N, 1> + ?Sized> Cut<'_, N, R> {
+    /// The cells of waypoints, `count` of them a range.
+    fn columns(
+        &self,
+        waypoints: Range<usize>,
+        start: f64,
+        width: f64,
+        count: u32,
+    ) -> Result<Vec<Vec<Cell<N>>>, LadderError> {
+        let of = |waypoint| match self.all(waypoint, start, width, count) {
+            cells if cells.is_empty() => Err(LadderError::Unreachable { waypoint, samples: u64::from(count) }),
+            cells => Ok(cells),
+        };
+        waypoints.map(of).collect()
+    }
+
     /// The cells of a waypoint on all branches.
     fn all(&self, waypoint: usize, start: f64, width: f64, count: u32) -> Vec<Cell<N>> {
         let mut branches = Vec::new();

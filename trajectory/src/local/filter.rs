@@ -91,21 +91,8 @@ pub(super) fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
             return Err(FilterError::Cancelled);
         }
         iterations += 1;
-        let mut margin = options.margin;
-        let succeeded = loop {
-            let window = middle.saturating_sub(margin)..(middle + margin + 1).min(waypoints);
-            let well = filter.minimise(&mut motion, window.clone(), options.gain);
-            if well {
-                locked[window].fill(false);
-                successes += 1;
-                break true;
-            }
-            if options.growth == 0 || margin + options.growth > options.max_margin {
-                locked[window].fill(true);
-                break false;
-            }
-            margin += options.growth;
-        };
+        let (margin, succeeded) = minimise_about(&filter, &mut motion, &mut locked, middle, options);
+        successes += usize::from(succeeded);
         let (jerk, max_jerk) = (filter.jerk(&motion.postures, 0..waypoints), max_jerk(&filter, &motion));
         history.push(FilterStep { waypoint: middle, margin, succeeded, jerk, max_jerk });
     };
@@ -122,6 +109,30 @@ pub(super) fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
         history,
         collisions: (0..waypoints).filter(predicted).collect(),
     })
+}
+
+/// Minimises in windows about a waypoint, each wider than the one before, until one succeeds. Returns the last margin, and whether it did. A
+/// window that succeeds frees its waypoints, since their neighbours have changed; the widest that fails locks them.
+fn minimise_about<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
+    filter: &Filter<'_, N, F, R>,
+    motion: &mut Motion<N, F>,
+    locked: &mut [bool],
+    middle: usize,
+    options: &FilterOptions<N>,
+) -> (usize, bool) {
+    let mut margin = options.margin;
+    loop {
+        let window = middle.saturating_sub(margin)..(middle + margin + 1).min(locked.len());
+        if filter.minimise(motion, window.clone(), options.gain) {
+            locked[window].fill(false);
+            return (margin, true);
+        }
+        if options.growth == 0 || margin + options.growth > options.max_margin {
+            locked[window].fill(true);
+            return (margin, false);
+        }
+        margin += options.growth;
+    }
 }
 
 /// The greatest jerk of each joint at the waypoints that have a stencil.

@@ -251,6 +251,24 @@ pub(super) fn check<const N: usize, const F: usize>(
     options: &PrintOptions<N, F>,
 ) -> Result<(), PrintError> {
     limits.bounds.check()?;
+    check_numbers(limits, options)?;
+    let mut before = 0;
+    for (path, print) in paths.iter().enumerate() {
+        let layer = print.layer;
+        if layer < before {
+            return Err(PrintError::Order { path, layer, before });
+        }
+        before = layer;
+        check_path(path, print)?;
+    }
+    Ok(())
+}
+
+/// Whether each number of the limits and options is in its range.
+fn check_numbers<const N: usize, const F: usize>(
+    limits: &PrintLimits<N>,
+    options: &PrintOptions<N, F>,
+) -> Result<(), PrintError> {
     let above_zero = "it must be above 0";
     let unless = |is_sound: bool, field, value, must| {
         if is_sound { Ok(()) } else { Err(PrintError::Field { field, value, must }) }
@@ -284,30 +302,27 @@ pub(super) fn check<const N: usize, const F: usize>(
         let least = samples.into_iter().min().unwrap_or(1);
         unless(least > 0, field, f64::from(least), above_zero)?;
     }
-    let mut before = 0;
-    for (path, &PrintPath { layer, waypoints, times, filament_mm }) in paths.iter().enumerate() {
-        if layer < before {
-            return Err(PrintError::Order { path, layer, before });
+    Ok(())
+}
+
+/// Whether the lists of a path fit each other and its numbers are finite; times and filament must not fall.
+fn check_path(path: usize, &PrintPath { waypoints, times, filament_mm, .. }: &PrintPath<'_>) -> Result<(), PrintError> {
+    let count = |field, given: usize, expected: usize| {
+        if given == expected { Ok(()) } else { Err(PrintError::Count { path, field, given, expected }) }
+    };
+    count("waypoints", waypoints.len(), waypoints.len().max(1))?;
+    count("times", times.len(), waypoints.len())?;
+    count("filament_mm", filament_mm.len(), waypoints.len())?;
+    for (waypoint, Waypoint { position, axis }) in waypoints.iter().enumerate() {
+        let all = position.iter().map(|value| ("position", *value)).chain(axis.iter().map(|value| ("axis", *value)));
+        if let Some((field, value)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(PrintError::Waypoint { path, waypoint, field, value });
         }
-        before = layer;
-        let count = |field, given: usize, expected: usize| {
-            if given == expected { Ok(()) } else { Err(PrintError::Count { path, field, given, expected }) }
-        };
-        count("waypoints", waypoints.len(), waypoints.len().max(1))?;
-        count("times", times.len(), waypoints.len())?;
-        count("filament_mm", filament_mm.len(), waypoints.len())?;
-        for (waypoint, Waypoint { position, axis }) in waypoints.iter().enumerate() {
-            let all =
-                position.iter().map(|value| ("position", *value)).chain(axis.iter().map(|value| ("axis", *value)));
-            if let Some((field, value)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
-                return Err(PrintError::Waypoint { path, waypoint, field, value });
-            }
-        }
-        for (field, values) in [("times", times), ("filament_mm", filament_mm)] {
-            let falls = |k: &usize| !values[*k].is_finite() || (*k > 0 && values[*k] < values[*k - 1]);
-            if let Some(waypoint) = (0..values.len()).find(falls) {
-                return Err(PrintError::Waypoint { path, waypoint, field, value: values[waypoint] });
-            }
+    }
+    for (field, values) in [("times", times), ("filament_mm", filament_mm)] {
+        let falls = |k: &usize| !values[*k].is_finite() || (*k > 0 && values[*k] < values[*k - 1]);
+        if let Some(waypoint) = (0..values.len()).find(falls) {
+            return Err(PrintError::Waypoint { path, waypoint, field, value: values[waypoint] });
         }
     }
     Ok(())

@@ -260,7 +260,8 @@ pub(super) fn samples_of<const F: usize>(
     ranges: &[FreeRange; F],
     samples: &[u32; F],
 ) -> impl Iterator<Item = [f64; F]> {
-    (0..samples.iter().product()).map(|sample: u32| {
+    let samples: [u32; F] = std::array::from_fn(|f| ranges[f].samples(samples[f]));
+    (0..samples.iter().product()).map(move |sample: u32| {
         let mut rest = sample;
         std::array::from_fn(|f| {
             let k = rest % samples[f];

@@ -153,7 +153,7 @@ impl<const N: usize, const F: usize> RunPlan<N, F> {
     }
 
     /// The same run plan with the steps split on which a motion leaves the way, each into as many parts as it takes if half as
-    /// long is a quarter as far, and halved those on which it gouges or passes a stop. `None` if there are none, or none can be.
+    /// long is a quarter as far, and halved those on which it gouges or passes a stop. `None` without such steps, or where no step can be split.
     pub fn split<R: PrintRobot<N, F>>(
         &self,
         motion: &Timed<N>,
@@ -288,7 +288,7 @@ pub fn path_deviations<const N: usize, const F: usize>(
     times.windows(2).zip(waypoints.windows(2)).map(step).collect()
 }
 
-/// The posture on a branch next to some joints, by a few steps of Gauss and Newton from these free parameters, as far as
+/// The posture on a branch next to some joints, by a few steps of Gauss and Newton from these free parameters, while
 /// they help.
 fn nearest<const N: usize, const F: usize>(
     robot: &impl Robot<N, F>,

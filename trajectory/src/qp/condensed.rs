@@ -185,7 +185,7 @@ impl<'a> Condensed<'a> {
     }
 
     /// Solves the problem. `None` where that comes to no end, or where what went has cost so many digits that the solution of
-    /// the smaller problem is none of the whole one.
+    /// the smaller problem does not solve the whole one.
     pub fn solve(&self, options: &QpOptions, start: Option<&[f64]>) -> Option<QpSolution> {
         let mut first = vec![0.0; self.small.variables()];
         if let Some(start) = start.filter(|start| start.len() == self.full.variables()) {

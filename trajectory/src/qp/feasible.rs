@@ -23,47 +23,61 @@ const FAR: f64 = 1e6;
 
 /// Multipliers of the rows that prove them contradictory; `None` where they are not, or nothing can be proved.
 pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f64>> {
-    // An equation may reach over three stages, which a soft row may not: it gets a variable for its miss, placed in the
-    // middle stage behind the variables of that stage.
-    let mut sizes: Vec<usize> = qp.first.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let equations = (0..qp.rows.len()).filter(|&row| qp.rows[row].is_equation());
-    let homes: Vec<Option<usize>> = equations.map(|row| qp.home(row)).collect();
-    // An equation over border variables alone joins them in the border.
-    let border = qp.border + homes.iter().filter(|home| home.is_none()).count();
-    let mut behind = sizes.clone();
-    for &stage in homes.iter().flatten() {
-        sizes[stage] += 1;
+    let Softened { qp: soft, copies, scale } = Softened::of(qp)?;
+    let found = Interior::new(&soft).solve(options, None);
+    let mut proof = vec![0.0; qp.rows.len()];
+    for (row, copy) in copies {
+        proof[row] = found.duals[copy];
     }
-    let mut loose = BandedQp::new(&sizes, border);
-    let moved = |variable: u32| {
-        let variable = variable as usize;
-        match qp.stage(variable) {
-            Some(stage) => loose.first[stage] + (variable - qp.first[stage]),
-            None => loose.variables() - border + (variable - (qp.variables() - qp.border)),
+    // The multipliers prove it whether or not the last digits of the point are there.
+    let (value, left) = settle(qp, &mut proof);
+    let reach = FAR * (1.0 + largest(&found.x));
+    (value < -NOTHING * scale && left * reach < -value).then_some(proof)
+}
+
+/// The hard rows of a program, each of which may be missed at the price 1.
+struct Softened {
+    qp: BandedQp,
+    /// The hard rows, and where their copies are.
+    copies: Vec<(usize, usize)>,
+    /// The largest bound of a hard row, at least 1.
+    scale: f64,
+}
+
+impl Softened {
+    /// An equation may reach over three stages, which a soft row may not: it gets a variable for its miss, placed in the
+    /// middle stage behind the variables of that stage. An equation over border variables alone joins them in the border.
+    fn of(qp: &BandedQp) -> Option<Self> {
+        let mut sizes: Vec<usize> = qp.first.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let equations = (0..qp.rows.len()).filter(|&row| qp.rows[row].is_equation());
+        let homes: Vec<Option<usize>> = equations.map(|row| qp.home(row)).collect();
+        let border = qp.border + homes.iter().filter(|home| home.is_none()).count();
+        let mut behind = sizes.clone();
+        for &stage in homes.iter().flatten() {
+            sizes[stage] += 1;
         }
-    };
-    let place: Vec<usize> = (0..qp.variables() as u32).map(moved).collect();
-    let mut last = loose.variables() - border + qp.border;
-    let mut homes = homes.into_iter();
-    let mut terms = Vec::new();
-    let mut kept = Vec::new();
-    let mut scale = 1.0f64;
-    for (row, bounds) in qp.rows.iter().enumerate() {
-        if bounds.penalty < f64::INFINITY {
-            continue;
-        }
-        for bound in [bounds.lower, bounds.upper] {
-            if bound.is_finite() {
-                scale = scale.max(bound.abs());
+        let mut soft = Softened { qp: BandedQp::new(&sizes, border), copies: Vec::new(), scale: 1.0 };
+        let place = places(qp, &soft.qp);
+        let mut last = soft.qp.variables() - border + qp.border;
+        let mut homes = homes.into_iter();
+        let mut terms = Vec::new();
+        for (row, bounds) in qp.rows.iter().enumerate() {
+            if bounds.penalty < f64::INFINITY {
+                continue;
             }
-        }
-        terms.clear();
-        terms.extend(qp.terms_of(row).iter().map(|&(variable, by)| (place[variable as usize], by)));
-        if bounds.is_equation() {
+            for bound in [bounds.lower, bounds.upper].into_iter().filter(|bound| bound.is_finite()) {
+                soft.scale = soft.scale.max(bound.abs());
+            }
+            terms.clear();
+            terms.extend(qp.terms_of(row).iter().map(|&(variable, by)| (place[variable as usize], by)));
+            if !bounds.is_equation() {
+                soft.copies.push((row, soft.qp.add_soft_row(&terms, bounds.lower, bounds.upper, 1.0)));
+                continue;
+            }
             let miss = match homes.next()? {
                 Some(stage) => {
                     behind[stage] += 1;
-                    loose.first[stage] + behind[stage] - 1
+                    soft.qp.first[stage] + behind[stage] - 1
                 }
                 None => {
                     last += 1;
@@ -71,21 +85,20 @@ pub(super) fn contradiction(qp: &BandedQp, options: &QpOptions) -> Option<Vec<f6
                 }
             };
             terms.push((miss, 1.0));
-            kept.push((row, loose.add_row(&terms, bounds.lower, bounds.upper)));
-            loose.add_soft_row(&[(miss, 1.0)], 0.0, 0.0, 1.0);
-        } else {
-            kept.push((row, loose.add_soft_row(&terms, bounds.lower, bounds.upper, 1.0)));
+            soft.copies.push((row, soft.qp.add_row(&terms, bounds.lower, bounds.upper)));
+            soft.qp.add_soft_row(&[(miss, 1.0)], 0.0, 0.0, 1.0);
         }
+        Some(soft)
     }
-    let found = Interior::new(&loose).solve(options, None);
-    let mut proof = vec![0.0; qp.rows.len()];
-    for (row, copy) in kept {
-        proof[row] = found.duals[copy];
-    }
-    // The multipliers prove it whether or not the last digits of the point are there.
-    let (value, left) = settle(qp, &mut proof);
-    let reach = FAR * (1.0 + largest(&found.x));
-    (value < -NOTHING * scale && left * reach < -value).then_some(proof)
+}
+
+/// Where each variable of a program is in one with more variables behind those of each stage and those of the border.
+fn places(qp: &BandedQp, larger: &BandedQp) -> Vec<usize> {
+    let moved = |variable: usize| match qp.stage(variable) {
+        Some(stage) => larger.first[stage] + (variable - qp.first[stage]),
+        None => larger.variables() - larger.border + (variable - (qp.variables() - qp.border)),
+    };
+    (0..qp.variables()).map(moved).collect()
 }
 
 /// Lets hard rows of one variable take up what is left of it in the sum of all rows with these factors. Returns the bound of

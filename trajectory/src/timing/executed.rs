@@ -131,46 +131,19 @@ fn correct<const N: usize>(
     what: &[What],
     up: f64,
 ) {
-    let Program { rows, x, upper, .. } = program;
-    let segments = grid.segments.len();
-    // What the program has at the beginning and the end of each segment.
-    let mut jerks = vec![[[0.0; N]; 2]; segments];
-    let mut accelerations = vec![[0.0; N]; segments];
-    for (row, what) in rows.iter().zip(what) {
-        match *what {
-            What::Flow | What::Spike => {}
-            What::Acceleration { segment, joint } => accelerations[segment][joint] = row.value(x),
-            What::Jerk { knot, segments, joint, width } => {
-                let root = row.rooted().map_or(1.0, |root| x[root].sqrt());
-                for segment in segments {
-                    jerks[segment][usize::from(segment < knot)][joint] = row.value(x) * root / width;
-                }
-            }
-        }
-    }
+    let modelled = Modelled::new(program, what, grid.segments.len());
+    let Program { rows, upper, .. } = program;
     for (row, what) in rows.iter_mut().zip(what) {
-        // By how much the spline is above and below.
-        let mut beyond = [f64::NEG_INFINITY; 2];
-        let mut look = |value: f64, modelled: [f64; 2]| {
-            beyond[0] = beyond[0].max(value - modelled[0].max(modelled[1]));
-            beyond[1] = beyond[1].max(modelled[0].min(modelled[1]) - value);
-        };
-        let (limit, scale) = match *what {
+        let (limit, scale, beyond) = match *what {
             What::Flow | What::Spike => continue,
             What::Acceleration { segment, joint } => {
-                for knot in [segment, segment + 1] {
-                    let beside = [knot.max(1) - 1, knot.min(segments - 1)].map(|segment| accelerations[segment][joint]);
-                    look(spline.accelerations[knot][joint], beside);
-                }
-                (task.bounds.acceleration[joint], 1.0)
+                let beyond = modelled.acceleration_beyond(spline, segment, joint);
+                (task.bounds.acceleration[joint], 1.0, beyond)
             }
             // The spline may pass a limit of jerk that only the program has.
             What::Jerk { joint, .. } if task.jerk[joint] < task.bounds.jerk[joint] => continue,
             What::Jerk { segments, joint, width, .. } => {
-                for segment in segments {
-                    look(spline.jerks[segment][joint], jerks[segment].map(|end| end[joint]));
-                }
-                (task.bounds.jerk[joint], width)
+                (task.bounds.jerk[joint], width, modelled.jerk_beyond(spline, segments, joint))
             }
         };
         for (to, beyond) in row.limits.iter_mut().zip(beyond) {
@@ -188,6 +161,55 @@ fn correct<const N: usize>(
             *upper = upper.min(task.upper(grid, k + 1, faster));
         }
     }
+}
+
+/// What the program takes for accelerations and jerks.
+struct Modelled<const N: usize> {
+    /// In the middle of each segment.
+    accelerations: Vec<[f64; N]>,
+    /// At the beginning and the end of each segment.
+    jerks: Vec<[[f64; N]; 2]>,
+}
+
+impl<const N: usize> Modelled<N> {
+    fn new(program: &Program, what: &[What], segments: usize) -> Self {
+        let x = &program.x;
+        let mut modelled = Modelled { accelerations: vec![[0.0; N]; segments], jerks: vec![[[0.0; N]; 2]; segments] };
+        for (row, what) in program.rows.iter().zip(what) {
+            match *what {
+                What::Flow | What::Spike => {}
+                What::Acceleration { segment, joint } => modelled.accelerations[segment][joint] = row.value(x),
+                What::Jerk { knot, segments, joint, width } => {
+                    let root = row.rooted().map_or(1.0, |root| x[root].sqrt());
+                    for segment in segments {
+                        modelled.jerks[segment][usize::from(segment < knot)][joint] = row.value(x) * root / width;
+                    }
+                }
+            }
+        }
+        modelled
+    }
+
+    /// How far the spline is above and below the program's accelerations, at the two knots of a segment.
+    fn acceleration_beyond(&self, spline: &Spline<N>, segment: usize, joint: usize) -> [f64; 2] {
+        let last = self.accelerations.len() - 1;
+        [segment, segment + 1].iter().fold([f64::NEG_INFINITY; 2], |beyond, &knot| {
+            let beside = [knot.max(1) - 1, knot.min(last)].map(|segment| self.accelerations[segment][joint]);
+            farther(beyond, spline.accelerations[knot][joint], beside)
+        })
+    }
+
+    /// How far the spline is above and below the program's jerks on the segments beside a knot.
+    fn jerk_beyond(&self, spline: &Spline<N>, segments: [usize; 2], joint: usize) -> [f64; 2] {
+        segments.iter().fold([f64::NEG_INFINITY; 2], |beyond, &segment| {
+            farther(beyond, spline.jerks[segment][joint], self.jerks[segment].map(|end| end[joint]))
+        })
+    }
+}
+
+/// The greater of how far something is above and below two values, and of what was found before.
+fn farther([above, below]: [f64; 2], value: f64, [a, b]: [f64; 2]) -> [f64; 2] {
+    [above.max(value - a.max(b)), below.max(a.min(b) - value)]
 }
 
 /// Times at which the spline holds all limits: stretched where it does not, then as a whole by what is left.
@@ -245,43 +267,10 @@ pub(super) fn run<const N: usize>(
     mut iterations: usize,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<TimedMotion<N>, TimePathError> {
-    let options = task.options;
     let mut inner: Vec<[f64; N]> = grid.knots[1..grid.segments.len()].iter().map(|knot| knot.joints).collect();
-    // Duration, pace and times.
-    let mut best: Option<(f64, Vec<f64>, Vec<f64>)> = None;
-    let mut ideal = f64::INFINITY;
-    let (mut residual, mut solved) = (f64::INFINITY, false);
-    for round in 0..=options.rounds {
-        let outcome = program.solve(options.tolerance, options.iterations - iterations, stop);
-        iterations += outcome.iterations;
-        if outcome.stopped {
-            return Err(TimePathError::Cancelled);
-        }
-        if round == 0 {
-            ideal = program.time();
-        }
-        let spline = Spline::new(times_of(&program), &inner)?;
-        let (duration, times) = stretch(task, &inner, &spline)?;
-        solved = outcome.residual <= options.tolerance;
-        let gained = best.as_ref().map_or(f64::INFINITY, |(least, ..)| least / duration - 1.0);
-        let left = duration / program.time() - 1.0;
-        if gained > 0.0 {
-            residual = outcome.residual;
-            let pace = |knot: usize| {
-                let slower = (times[knot + 1] - times[knot - 1]) / (spline.times[knot + 1] - spline.times[knot - 1]);
-                grid.knots[knot].warp * program.x[knot - 1].sqrt() / slower
-            };
-            let pace = (0..times.len()).map(|knot| if 0 < knot && knot < times.len() - 1 { pace(knot) } else { 0.0 });
-            best = Some((duration, pace.collect(), times));
-        }
-        if !solved || round == options.rounds || left.max(gained) <= SETTLED * options.tolerance {
-            break;
-        }
-        correct(task, grid, &spline, &mut program, what, UP / (1.0 + SLOWER * round as f64));
-        program.shrink(SLACK);
-        program.centre(WARM, false);
-    }
-    let Some((_, pace, mut times)) = best else { return Err(TimePathError::Range) };
+    let Rounds { best, ideal, residual, solved } =
+        rounds(task, grid, &inner, (&mut program, what), &mut iterations, stop)?;
+    let Some(Best { pace, mut times, .. }) = best else { return Err(TimePathError::Range) };
     // The program's own limits of jerk end sooner than the first knots: there the ends are missed by more.
     if (0..N).any(|j| task.jerk[j] < task.bounds.jerk[j]) {
         meet_ends(grid, &times, &mut inner)?;
@@ -303,6 +292,74 @@ pub(super) fn run<const N: usize>(
         residual,
         status: if solved { TimePathStatus::Solved } else { TimePathStatus::Iterations },
     })
+}
+
+/// The shortest spline of all rounds.
+struct Best {
+    duration: f64,
+    /// Planned seconds a second at each knot.
+    pace: Vec<f64>,
+    times: Vec<f64>,
+}
+
+/// What rounds of solving and correcting have found.
+struct Rounds {
+    best: Option<Best>,
+    /// The duration of the program's first solution.
+    ideal: f64,
+    /// Of the solution that the best spline is of.
+    residual: f64,
+    /// Whether the last round was solved.
+    solved: bool,
+}
+
+/// Solves the program and corrects its limits by what the spline differs from it, until the spline gains no more.
+fn rounds<const N: usize>(
+    task: &Task<'_, N>,
+    grid: &Grid<N>,
+    inner: &[[f64; N]],
+    (program, what): (&mut Program, &[What]),
+    iterations: &mut usize,
+    stop: &mut dyn FnMut() -> bool,
+) -> Result<Rounds, TimePathError> {
+    let options = task.options;
+    let mut found = Rounds { best: None, ideal: f64::INFINITY, residual: f64::INFINITY, solved: false };
+    for round in 0..=options.rounds {
+        let outcome = program.solve(options.tolerance, options.iterations - *iterations, stop);
+        *iterations += outcome.iterations;
+        if outcome.stopped {
+            return Err(TimePathError::Cancelled);
+        }
+        if round == 0 {
+            found.ideal = program.time();
+        }
+        let spline = Spline::new(times_of(program), inner)?;
+        let (duration, times) = stretch(task, inner, &spline)?;
+        found.solved = outcome.residual <= options.tolerance;
+        let gained = found.best.as_ref().map_or(f64::INFINITY, |best| best.duration / duration - 1.0);
+        let left = duration / program.time() - 1.0;
+        if gained > 0.0 {
+            found.residual = outcome.residual;
+            let pace = paces(grid, program, &spline, &times);
+            found.best = Some(Best { duration, pace, times });
+        }
+        if !found.solved || round == options.rounds || left.max(gained) <= SETTLED * options.tolerance {
+            break;
+        }
+        correct(task, grid, &spline, program, what, UP / (1.0 + SLOWER * round as f64));
+        program.shrink(SLACK);
+        program.centre(WARM, false);
+    }
+    Ok(found)
+}
+
+/// The pace at each knot: that of the program, slower where time was stretched; zero at both ends.
+fn paces<const N: usize>(grid: &Grid<N>, program: &Program, spline: &Spline<N>, times: &[f64]) -> Vec<f64> {
+    let pace = |knot: usize| {
+        let slower = (times[knot + 1] - times[knot - 1]) / (spline.times[knot + 1] - spline.times[knot - 1]);
+        grid.knots[knot].warp * program.x[knot - 1].sqrt() / slower
+    };
+    (0..times.len()).map(|knot| if 0 < knot && knot < times.len() - 1 { pace(knot) } else { 0.0 }).collect()
 }
 
 /// Stretches all time until every limit holds. Velocities fall with the factor, accelerations with its square, jerks with its cube, so

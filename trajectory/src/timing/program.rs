@@ -341,6 +341,24 @@ impl Program {
     fn assemble(&mut self, band: &mut [[f64; 3]], gradient: &mut [f64], lagrangian: &mut [f64]) -> f64 {
         band.fill([0.0; 3]);
         gradient.fill(0.0);
+        let time = self.add_time(band, gradient);
+        lagrangian.copy_from_slice(gradient);
+        for k in 0..self.x.len() {
+            let z = self.upper_multipliers[k];
+            band[k][0] += z / (self.upper[k] - self.x[k]);
+            lagrangian[k] += z;
+        }
+        for near in &mut self.near {
+            let row = &self.rows[near.row];
+            near.look(row, &self.x);
+            near.add_curvature(row, band);
+            near.add(row, lagrangian, near.multipliers);
+        }
+        time
+    }
+
+    /// `T`, with its gradient and its second derivatives.
+    fn add_time(&self, band: &mut [[f64; 3]], gradient: &mut [f64]) -> f64 {
         let mut time = 0.0;
         for (segment, &width) in self.widths.iter().enumerate() {
             let (i, j) = self.ends(segment);
@@ -361,44 +379,6 @@ impl Program {
             band[i][0] += width * (0.5 / (u * u * u * square) + 1.0 / (u * u * cube));
             band[j][0] += width * (0.5 / (v * v * v * square) + 1.0 / (v * v * cube));
             band[i][1] += width / (u * v * cube);
-        }
-        lagrangian.copy_from_slice(gradient);
-        for k in 0..self.x.len() {
-            let z = self.upper_multipliers[k];
-            band[k][0] += z / (self.upper[k] - self.x[k]);
-            lagrangian[k] += z;
-        }
-        for near in &mut self.near {
-            let row = &self.rows[near.row];
-            near.look(row, &self.x);
-            let w = [near.multipliers[0] * near.inverse[0], near.multipliers[1] * near.inverse[1]];
-            let both = w[0] + w[1];
-            let [a, b, c] = row.by;
-            let at = row.first;
-            band[at][0] += both * a * a;
-            band[at][1] += both * a * b;
-            band[at][2] += both * a * c;
-            if at + 1 < band.len() {
-                band[at + 1][0] += both * b * b;
-                band[at + 1][1] += both * b * c;
-            }
-            if at + 2 < band.len() {
-                band[at + 2][0] += both * c * c;
-            }
-            if let Some(root) = row.root.map(usize::from) {
-                // Gradients are `a - bend_0 e` above and `-a - bend_1 e` below.
-                let cross = near.bend[1] * w[1] - near.bend[0] * w[0];
-                let square = near.bend[0] * near.bend[0] * w[0] + near.bend[1] * near.bend[1] * w[1];
-                band[at + root][0] += square + 2.0 * cross * row.by[root];
-                for other in 0..3 {
-                    if other < root {
-                        band[at + other][root - other] += cross * row.by[other];
-                    } else if other > root && at + other < band.len() {
-                        band[at + root][other - root] += cross * row.by[other];
-                    }
-                }
-            }
-            near.add(row, lagrangian, near.multipliers);
         }
         time
     }

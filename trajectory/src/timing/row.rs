@@ -66,6 +66,35 @@ impl Near {
         let none = [0.0; 2];
         Near { row, multipliers: none, slack: none, inverse: none, bend: none, slack_step: none, step: none }
     }
+    /// Adds what the limits of its row curve the barrier by to a band of the Newton matrix.
+    pub fn add_curvature(&self, row: &Row, band: &mut [[f64; 3]]) {
+        let w = [self.multipliers[0] * self.inverse[0], self.multipliers[1] * self.inverse[1]];
+        let both = w[0] + w[1];
+        let [a, b, c] = row.by;
+        let at = row.first;
+        band[at][0] += both * a * a;
+        band[at][1] += both * a * b;
+        band[at][2] += both * a * c;
+        if at + 1 < band.len() {
+            band[at + 1][0] += both * b * b;
+            band[at + 1][1] += both * b * c;
+        }
+        if at + 2 < band.len() {
+            band[at + 2][0] += both * c * c;
+        }
+        let Some(root) = row.root.map(usize::from) else { return };
+        // Gradients are `a - bend_0 e` above and `-a - bend_1 e` below.
+        let cross = self.bend[1] * w[1] - self.bend[0] * w[0];
+        let square = self.bend[0] * self.bend[0] * w[0] + self.bend[1] * self.bend[1] * w[1];
+        band[at + root][0] += square + 2.0 * cross * row.by[root];
+        for other in 0..3 {
+            if other < root {
+                band[at + other][root - other] += cross * row.by[other];
+            } else if other > root && at + other < band.len() {
+                band[at + root][other - root] += cross * row.by[other];
+            }
+        }
+    }
 
     pub fn look(&mut self, row: &Row, x: &[f64]) {
         let value = row.value(x);

@@ -207,6 +207,9 @@ fn spread<T>(all: Vec<T>, count: usize) -> Vec<T> {
     all.into_iter().enumerate().filter_map(|(k, item)| next.next_if(|&at| at <= k).map(|_| item)).collect()
 }
 
+/// A waypoint and what it may be.
+type Layer<const N: usize> = (usize, Vec<Choice<N>>);
+
 /// Postures for the waypoints of a run.
 struct Solved<const N: usize> {
     first: usize,
@@ -242,7 +245,7 @@ where
         let now = &so_far.waypoints;
         let count = now.len();
         let mut stuck = vec![];
-        let mut layers: Vec<(usize, Vec<Choice<N>>)> = vec![];
+        let mut layers: Vec<Layer<N>> = vec![];
         let fixed = |i: usize| (i, vec![Choice { joints: now[i], change: 0.0 }]);
         // All before is settled, all behind is not: a neighbour that collides is no end to hold on to.
         let low = first.checked_sub(1).filter(|i| !so_far.stuck.contains(i));
@@ -257,6 +260,31 @@ where
             }
         }
         layers.extend(high.map(fixed));
+        let costs = self.costs(&layers);
+        let mut joints: Vec<[f64; N]> = now[first..=last].to_vec();
+        let mut splits: Vec<usize> = vec![];
+        let end = costs.last().and_then(|all| (0..all.len()).min_by(|&a, &b| all[a].0.order(&all[b].0)));
+        if let Some(mut at) = end {
+            for layer in (0..layers.len()).rev() {
+                let (i, choices) = &layers[layer];
+                if (first..=last).contains(i) {
+                    joints[i - first] = choices[at].joints;
+                }
+                let (cost, from) = costs[layer][at];
+                if layer > 0 {
+                    if cost.splits > costs[layer - 1][from].0.splits {
+                        splits.push(layers[layer - 1].0);
+                    }
+                    at = from;
+                }
+            }
+        }
+        splits.reverse();
+        Solved { first, joints, splits, stuck }
+    }
+
+    /// What it costs at least to come to each choice of each layer, and from which choice of the layer before.
+    fn costs(&self, layers: &[Layer<N>]) -> Vec<Vec<(Cost, usize)>> {
         let mut costs: Vec<Vec<(Cost, usize)>> = vec![];
         for (layer, (i, choices)) in layers.iter().enumerate() {
             let Some((before, earlier)) = layer.checked_sub(1).map(|k| &layers[k]) else {
@@ -280,25 +308,6 @@ where
             };
             costs.push(choices.iter().map(best).collect());
         }
-        let mut joints: Vec<[f64; N]> = now[first..=last].to_vec();
-        let mut splits: Vec<usize> = vec![];
-        let end = costs.last().and_then(|all| (0..all.len()).min_by(|&a, &b| all[a].0.order(&all[b].0)));
-        if let Some(mut at) = end {
-            for layer in (0..layers.len()).rev() {
-                let (i, choices) = &layers[layer];
-                if (first..=last).contains(i) {
-                    joints[i - first] = choices[at].joints;
-                }
-                let (cost, from) = costs[layer][at];
-                if layer > 0 {
-                    if cost.splits > costs[layer - 1][from].0.splits {
-                        splits.push(layers[layer - 1].0);
-                    }
-                    at = from;
-                }
-            }
-        }
-        splits.reverse();
-        Solved { first, joints, splits, stuck }
+        costs
     }
 }

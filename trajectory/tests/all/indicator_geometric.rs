@@ -356,7 +356,7 @@ fn closed_forms_of_capsule_and_plane() {
     assert_eq!(indicator.nearest(&[8.0, 21.0]).bodies, [1, 0]);
     // On the capsule's axis itself there is no direction.
     assert_eq!(indicator.gradient(&[20.0, 30.0]), (1.0 + 5.0, [0.0; 2]));
-    // A posture that is none is not called free.
+    // An invalid posture is not called free.
     for joints in [[f64::NAN, 50.0], [20.0, f64::INFINITY]] {
         assert!(indicator.value(&joints).is_nan() && indicator.gradient(&joints).0.is_nan());
         assert!(indicator.predicts(&joints));

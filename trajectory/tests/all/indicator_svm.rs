@@ -132,7 +132,7 @@ proptest! {
         prop_assert!(violation(&svm, &data, cost) < 1e-7);
         let slow = slow_objective(&data, 0.7, cost, 2000);
         prop_assert!(svm.training().objective <= slow + 1e-7 * (1.0 + slow.abs()));
-        // And the duality gap, with weights made from the expansion, says that nobody can.
+        // And the duality gap, with weights made from the expansion, says that no solution is lower.
         let expansion: Vec<_> = svm.expansion().collect();
         let square: f64 =
             expansion.iter().flat_map(|(c, a)| expansion.iter().map(move |(d, b)| a * b * kernel(c, d, 0.7))).sum();

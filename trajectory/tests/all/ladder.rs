@@ -674,3 +674,44 @@ fn solutions_that_are_no_numbers_are_no_nodes() {
     let ladder = plan_ladder(&robot, &times(3, 1.0), &Bounds::NONE, &LadderOptions::default(), &quiet).unwrap();
     assert!(ladder.nodes.iter().all(|node| node.branch == 2));
 }
+
+/// A table that turns, and may tilt within a range of one angle: its ladder is that of the table without tilt, and as many samples are
+/// asked for, with samples enough and where they must be doubled.
+#[test]
+fn a_range_of_one_value_has_one_sample() {
+    let bearing = |waypoint: usize| (0.3 * waypoint as f64).sin();
+    let asked = [const { AtomicUsize::new(0) }; 2];
+    let tilting = RobotFn {
+        waypoints: 40,
+        free: [FreeRange::Within(0.2, 0.2), FreeRange::Turn],
+        solutions: |i: usize, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 2])| {
+            asked[0].fetch_add(1, Ordering::Relaxed);
+            each(0, [free[0], bearing(i) + free[1]]);
+        },
+        posture: |_: usize, _: &[f64; 2], _| None::<Posture<2, 2>>,
+    };
+    let turning = RobotFn {
+        waypoints: 40,
+        free: [FreeRange::Turn],
+        solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| {
+            each(0, [0.2, bearing(i) + free[0]])
+        },
+        posture: |_: usize, _: &[f64; 1], _| None::<Posture<2, 1>>,
+    };
+    let times: Vec<f64> = (0..40).map(|i| 0.1 * f64::from(i)).collect();
+    // At the second speed the bearing is too fast for a tool angle that stays: samples are doubled.
+    for (speed, doublings) in [(10.0, 0), (2.0, 6)] {
+        let bounds = Bounds { velocity: [speed; 2], ..Bounds::NONE };
+        let of_two = LadderOptions { samples: [5, 8], doublings, ..LadderOptions::default() };
+        let of_one = LadderOptions { samples: [8], doublings, ..LadderOptions::default() };
+        asked.iter().for_each(|count| count.store(0, Ordering::Relaxed));
+        let found = plan_ladder(&tilting, &times, &bounds, &of_two, &quiet).unwrap();
+        let expected = plan_ladder(&turning, &times, &bounds, &of_one, &quiet).unwrap();
+        assert_eq!(found.samples, [1, expected.samples[0]]);
+        let joints = |k: usize| (found.nodes[k].joints, expected.nodes[k].joints);
+        assert!((0..40).map(joints).all(|(found, expected)| found == expected));
+        let [of_two, of_one] = asked.each_ref().map(|count| count.load(Ordering::Relaxed));
+        assert!(of_two == of_one && of_one >= 40 * 8, "{of_two} of {of_one}");
+        assert_eq!(expected.samples[0] > 8, doublings > 0);
+    }
+}

@@ -58,7 +58,7 @@ fn a_smooth_path_needs_far_less() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Tips here and there: no sampled chain is below the bound, and dense ones come near to what is said to be had.
+    /// Tips here and there: no sampled chain is below the bound, and dense ones come near to what the search says is possible.
     #[test]
     fn is_below_every_chain(tips in prop::collection::vec((0.3f64..1.9, 0.0f64..1.2), 3..7)) {
         let tips: Vec<[f64; 2]> = tips.iter().map(|(r, a)| [r * a.cos(), r * a.sin()]).collect();

@@ -396,7 +396,7 @@ fn the_tip_keeps_its_speed_on_travels() {
 }
 
 /// Chords of 0.3 rad on a circle of 40 mm are 0.45 mm off the arc that the table goes by itself.
-/// A workcell without limits of jerk: each motion begins where the one before ends, as the check wants it, and is none too slow.
+/// A workcell without limits of jerk: each motion begins where the one before ends, as the check wants it, and is not too slow.
 #[test]
 fn without_a_limit_of_jerk_motions_are_joined() {
     let (paths, limits) = (rings(), limits());

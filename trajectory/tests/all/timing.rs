@@ -2,7 +2,9 @@
 
 use crate::common::Natural;
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT};
+use clarabel::solver::{
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SupportedConeT,
+};
 use curvlay_trajectory::transfer::SCurve;
 use curvlay_trajectory::{
     Bounds, BoundsError, FlowLimits, Progress, TimePathError, TimePathOptions, TimePathStatus, TimedMotion, time_path,
@@ -175,20 +177,47 @@ fn flow_limits_hold() {
 
 const ORACLE_STEP: f64 = 0.1;
 
-/// The least duration by the oracle. The first and the last piece are `s = w (x^3 - x^4 / 2)`, the rest is uniform.
-fn oracle<const N: usize>(postures: &[[f64; N]], pace: f64, bounds: &Bounds<N>) -> f64 {
-    const END: usize = 16;
-    const PART: usize = 6;
-    let pieces = postures.len() - 1;
-    let splines: [Natural; N] =
-        std::array::from_fn(|j| Natural::new(postures.iter().map(|q| q[j]).collect(), ORACLE_STEP));
-    let width = 2.0 * ORACLE_STEP;
-    // Knots: sigma, and for each side of them the derivatives of all joints by sigma.
-    let mut cells: Vec<f64> = vec![width / END as f64; END];
-    cells.extend(vec![ORACLE_STEP / PART as f64; PART * (pieces - 2)]);
-    cells.extend(vec![width / END as f64; END]);
-    let n = cells.len();
-    let place = |knot: usize| -> (f64, [f64; 4]) {
+/// Knots in the first and in the last piece, and in each of the others.
+const END: usize = 16;
+const PART: usize = 6;
+
+/// The path of the oracle: the first and the last two pieces are `s = w (x^3 - x^4 / 2)`, the rest is uniform.
+struct OraclePath<const N: usize> {
+    splines: [Natural; N],
+    pieces: usize,
+    /// Length of the first and the last window.
+    width: f64,
+    /// Of `sigma`, from knot to knot.
+    cells: Vec<f64>,
+}
+
+impl<const N: usize> OraclePath<N> {
+    fn new(postures: &[[f64; N]]) -> Self {
+        let pieces = postures.len() - 1;
+        let width = 2.0 * ORACLE_STEP;
+        let mut cells: Vec<f64> = vec![width / END as f64; END];
+        cells.extend(vec![ORACLE_STEP / PART as f64; PART * (pieces - 2)]);
+        cells.extend(vec![width / END as f64; END]);
+        let splines = std::array::from_fn(|j| Natural::new(postures.iter().map(|q| q[j]).collect(), ORACLE_STEP));
+        OraclePath { splines, pieces, width, cells }
+    }
+
+    fn knots(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// The unknown of a knot: the outermost knots share those of their neighbours.
+    fn unknown(&self, knot: usize) -> usize {
+        knot.clamp(1, self.knots() - 1) - 1
+    }
+
+    fn is_inside_a_window(&self, knot: usize) -> bool {
+        knot < END || knot > self.knots() - END
+    }
+
+    /// `s` at a knot with its three derivatives by `sigma`.
+    fn place(&self, knot: usize) -> [f64; 4] {
+        let (n, width) = (self.knots(), self.width);
         let window = |x: f64| {
             [
                 width * (x.powi(3) - 0.5 * x.powi(4)),
@@ -197,61 +226,71 @@ fn oracle<const N: usize>(postures: &[[f64; N]], pace: f64, bounds: &Bounds<N>) 
                 (6.0 - 12.0 * x) / width.powi(2),
             ]
         };
-        let whole = ORACLE_STEP * pieces as f64;
         if knot <= END {
-            let at = window(knot as f64 / END as f64);
-            (at[0], at)
+            window(knot as f64 / END as f64)
         } else if knot >= n - END {
             let [s, first, second, third] = window((n - knot) as f64 / END as f64);
-            (whole - s, [whole - s, first, -second, third])
+            [ORACLE_STEP * self.pieces as f64 - s, first, -second, third]
         } else {
-            let s = ORACLE_STEP * (1.0 + (knot - END) as f64 / PART as f64);
-            (s, [s, 1.0, 0.0, 0.0])
+            [ORACLE_STEP * (1.0 + (knot - END) as f64 / PART as f64), 1.0, 0.0, 0.0]
         }
-    };
-    // Derivatives of all joints at a knot on the side of one piece.
-    let derivatives = |knot: usize, piece: usize| -> [[f64; 3]; N] {
-        let (s, [_, p, pp, ppp]) = place(knot);
-        let inside = knot < END || knot > n - END;
-        let ppp = if inside { ppp } else { 0.0 };
+    }
+
+    /// Derivatives of all joints by `sigma` at a knot, on the side of one piece.
+    fn derivatives(&self, knot: usize, piece: usize) -> [[f64; 3]; N] {
+        let [s, p, pp, ppp] = self.place(knot);
+        let ppp = if self.is_inside_a_window(knot) { ppp } else { 0.0 };
         std::array::from_fn(|j| {
-            let [a, b, c] = splines[j].at(piece, s - ORACLE_STEP * piece as f64);
+            let [a, b, c] = self.splines[j].at(piece, s - ORACLE_STEP * piece as f64);
             [a * p, b * p * p + a * pp, c * p.powi(3) + 3.0 * b * p * pp + a * ppp]
         })
-    };
-    let sides = |knot: usize| -> Vec<usize> {
+    }
+
+    /// The pieces on both sides of a knot.
+    fn sides(&self, knot: usize) -> Vec<usize> {
+        let n = self.knots();
         let right = if knot < END {
             0
         } else if knot >= n - END {
-            pieces - 1
+            self.pieces - 1
         } else {
             1 + (knot - END) / PART
         };
         let at_posture = knot == END || (knot > END && knot <= n - END && (knot - END).is_multiple_of(PART));
         if at_posture { vec![right - 1, right] } else { vec![right] }
-    };
-    let unknowns = n - 1;
-    let of = |knot: usize| knot.clamp(1, n - 1) - 1;
-    let mut reference: Vec<f64> = vec![1e-2; unknowns];
-    let mut last = f64::INFINITY;
-    for _ in 0..30 {
-        let (mut terms, mut b): (Vec<(usize, usize, f64)>, Vec<f64>) = (Vec::new(), Vec::new());
-        // limit - row >= 0; the outermost knots share an unknown.
-        let mut below = |row: &[(usize, f64)], limit: f64| {
-            let mut merged = BTreeMap::new();
-            row.iter().for_each(|&(at, by)| *merged.entry(at).or_insert(0.0) += by);
-            terms.extend(merged.into_iter().map(|(at, by)| (b.len(), at, by)));
-            b.push(limit);
-        };
+    }
+}
+
+/// A cone program that is being written, row by row.
+#[derive(Default)]
+struct OracleProgram {
+    terms: Vec<(usize, usize, f64)>,
+    b: Vec<f64>,
+    cones: Vec<SupportedConeT<f64>>,
+}
+
+impl OracleProgram {
+    /// `limit - row >= 0`; the outermost knots share an unknown.
+    fn below(&mut self, row: &[(usize, f64)], limit: f64) {
+        let mut merged = BTreeMap::new();
+        row.iter().for_each(|&(at, by)| *merged.entry(at).or_insert(0.0) += by);
+        self.terms.extend(merged.into_iter().map(|(at, by)| (self.b.len(), at, by)));
+        self.b.push(limit);
+    }
+
+    /// Limits at the knots; those of jerk by a tangent at the reference.
+    fn limits<const N: usize>(&mut self, path: &OraclePath<N>, pace: f64, bounds: &Bounds<N>, reference: &[f64]) {
+        let n = path.knots();
+        let of = |knot: usize| path.unknown(knot);
         for knot in 1..n {
-            let (h, next) = (cells[knot - 1], cells[knot]);
+            let (h, next) = (path.cells[knot - 1], path.cells[knot]);
             let first = [-next / (h * (h + next)), (next - h) / (h * next), h / (next * (h + next))];
             let second = [2.0 / (h * (h + next)), -2.0 / (h * next), 2.0 / (next * (h + next))];
-            let (_, [_, p, _, _]) = place(knot);
+            let [_, p, _, _] = path.place(knot);
             let mut upper = (pace / p).powi(2);
             let at = reference[of(knot)];
-            for piece in sides(knot) {
-                for (j, [d, dd, ddd]) in derivatives(knot, piece).into_iter().enumerate() {
+            for piece in path.sides(knot) {
+                for (j, [d, dd, ddd]) in path.derivatives(knot, piece).into_iter().enumerate() {
                     upper = upper.min((bounds.velocity[j] / d).powi(2));
                     let row =
                         |c: [f64; 3], plus: f64| [(of(knot - 1), c[0]), (of(knot), c[1] + plus), (of(knot + 1), c[2])];
@@ -259,59 +298,85 @@ fn oracle<const N: usize>(postures: &[[f64; N]], pace: f64, bounds: &Bounds<N>) 
                     let c = row(std::array::from_fn(|i| 0.5 * d * second[i] + 1.5 * dd * first[i]), ddd);
                     for sign in [1.0, -1.0] {
                         let limit = bounds.acceleration[j];
-                        below(&a.map(|(at, by)| (at, sign * by / limit)), 1.0);
+                        self.below(&a.map(|(at, by)| (at, sign * by / limit)), 1.0);
                         let mut c = c.map(|(at, by)| (at, sign * by / bounds.jerk[j])).to_vec();
                         c.push((of(knot), 0.5 * at.powf(-1.5)));
-                        below(&c, 1.5 / at.sqrt());
+                        self.below(&c, 1.5 / at.sqrt());
                     }
                 }
             }
             if upper.is_finite() {
-                below(&[(of(knot), 1.0 / upper)], 1.0);
+                self.below(&[(of(knot), 1.0 / upper)], 1.0);
             }
         }
         // At rest only the third derivative counts.
-        for (knot, piece) in [(0, 0), (n, pieces - 1)] {
+        for (knot, piece) in [(0, 0), (n, path.pieces - 1)] {
             let at = reference[of(knot)];
-            for (j, [_, _, ddd]) in derivatives(knot, piece).into_iter().enumerate() {
+            for (j, [_, _, ddd]) in path.derivatives(knot, piece).into_iter().enumerate() {
                 let row = ddd.abs() / bounds.jerk[j] + 0.5 * at.powf(-1.5);
-                below(&[(of(knot), row)], 1.5 / at.sqrt());
+                self.below(&[(of(knot), row)], 1.5 / at.sqrt());
             }
         }
-        let mut cones = vec![NonnegativeConeT(b.len())];
-        let root = |knot: usize| unknowns + of(knot);
-        for knot in 1..n {
+        self.cones.push(NonnegativeConeT(self.b.len()));
+    }
+
+    /// Roots of the unknowns and inverses of their sums, which the duration is made of. Returns the costs.
+    fn duration<const N: usize>(&mut self, path: &OraclePath<N>) -> Vec<f64> {
+        let unknowns = path.knots() - 1;
+        let root = |knot: usize| unknowns + path.unknown(knot);
+        for knot in 1..path.knots() {
             // The square of the root is below beta.
-            for (row, constant) in [([(of(knot), 1.0)], 1.0), ([(root(knot), 2.0)], 0.0), ([(of(knot), 1.0)], -1.0)] {
-                terms.extend(row.map(|(at, by)| (b.len(), at, -by)));
-                b.push(constant);
+            let beta = path.unknown(knot);
+            for (row, constant) in [([(beta, 1.0)], 1.0), ([(root(knot), 2.0)], 0.0), ([(beta, 1.0)], -1.0)] {
+                self.terms.extend(row.map(|(at, by)| (self.b.len(), at, -by)));
+                self.b.push(constant);
             }
-            cones.push(SecondOrderConeT(3));
+            self.cones.push(SecondOrderConeT(3));
         }
         let mut q = vec![0.0; 2 * unknowns];
-        for (cell, width) in cells.iter().enumerate() {
+        for (cell, width) in path.cells.iter().enumerate() {
             let inverse = 2 * unknowns + cell;
             for (signs, constant) in [([1.0, 1.0], 0.0), ([0.0, 0.0], 2.0), ([1.0, -1.0], 0.0)] {
                 let (left, right) = (root(cell), root(cell + 1));
-                terms.push((b.len(), inverse, -signs[0]));
+                self.terms.push((self.b.len(), inverse, -signs[0]));
                 if left == right {
-                    terms.push((b.len(), left, -2.0 * signs[1]));
+                    self.terms.push((self.b.len(), left, -2.0 * signs[1]));
                 } else {
-                    terms.extend([left, right].map(|at| (b.len(), at, -signs[1])));
+                    self.terms.extend([left, right].map(|at| (self.b.len(), at, -signs[1])));
                 }
-                b.push(constant);
+                self.b.push(constant);
             }
-            cones.push(SecondOrderConeT(3));
+            self.cones.push(SecondOrderConeT(3));
             q.push(2.0 * width);
         }
+        q
+    }
+
+    /// The solution and its cost.
+    fn solve(self, q: &[f64]) -> (Vec<f64>, f64) {
+        let OracleProgram { terms, b, cones } = self;
         let (i, (j, v)): (Vec<usize>, (Vec<usize>, Vec<f64>)) = terms.into_iter().map(|(i, j, v)| (i, (j, v))).unzip();
         let a = CscMatrix::new_from_triplets(b.len(), q.len(), i, j, v);
         let settings = DefaultSettingsBuilder::default().verbose(false).build().unwrap();
         let zero = CscMatrix::zeros((q.len(), q.len()));
-        let mut solver = DefaultSolver::new(&zero, &q, &a, &b, &cones, settings).unwrap();
+        let mut solver = DefaultSolver::new(&zero, q, &a, &b, &cones, settings).unwrap();
         solver.solve();
-        reference = solver.solution.x[..unknowns].to_vec();
-        let value = solver.solution.obj_val;
+        (solver.solution.x.clone(), solver.solution.obj_val)
+    }
+}
+
+/// The least duration by the oracle.
+fn oracle<const N: usize>(postures: &[[f64; N]], pace: f64, bounds: &Bounds<N>) -> f64 {
+    let path = OraclePath::new(postures);
+    let unknowns = path.knots() - 1;
+    let mut reference: Vec<f64> = vec![1e-2; unknowns];
+    let mut last = f64::INFINITY;
+    for _ in 0..30 {
+        let mut program = OracleProgram::default();
+        program.limits(&path, pace, bounds, &reference);
+        let q = program.duration(&path);
+        let (x, value) = program.solve(&q);
+        reference = x[..unknowns].to_vec();
         if (last - value).abs() < 2e-4 * value {
             return value;
         }

@@ -47,7 +47,7 @@ pub(super) struct Sheets {
 }
 
 impl Sheets {
-    /// Which of the open bodies without volume are sheets: a patch that closes a seam of another surface is none.
+    /// Which of the open bodies without volume are sheets: a patch that closes a seam of another surface is not one.
     /// `areas` are twice those of the triangles.
     pub(super) fn of(
         open: &[Vec<u32>],

@@ -55,7 +55,7 @@ pub struct OrientReport {
     pub shells: usize,
     /// Volume of those.
     pub shells_mm3: f64,
-    /// Holes that were closed. Seams, where triangles meet without sharing corners, are none.
+    /// Holes that were closed. Seams, where triangles meet without sharing corners, do not count.
     pub holes: usize,
     /// Area of their mouths.
     pub holes_mm2: f64,

@@ -1,6 +1,7 @@
 //! The machine file: gouging, support, volume, directions.
 
 use super::*;
+use curvlay_toolpath::gcode::flavour::{Direction, Flavour, FlavourReadOptions, FlavourReader};
 
 /// The machine file says directions as it is asked to; by default no firmware can mistake them.
 #[test]
@@ -24,6 +25,91 @@ fn directions_are_written_as_asked_for() {
         files.push(moves);
     }
     assert!(files[0].len() > 20 && files[0] == files[1] && files[0] == files[2]);
+}
+
+/// The machine file in the flavour of a controller, by name, from its own `flavour.json`, and from a profile beside it; what does not go is one line.
+#[test]
+fn machine_files_have_the_flavour_of_a_controller() {
+    let scratch = Scratch::new("flavour");
+    let mesh = scratch.path("block 1.stl");
+    fs::write(&mesh, boxes(&[[[0.0; 3], [8.0, 6.0, 4.0]]])).unwrap();
+    let printed = |out: &str, more: &[&str]| {
+        let output = run(&[&["--mesh", &mesh, "--cell", "1", "--quiet", "--out", out][..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        fs::read_to_string(Path::new(out).join("toolpath.gcode")).unwrap()
+    };
+    let plain = printed(&scratch.path("plain"), &[]);
+    let plain = GcodeReader::new(plain.as_bytes(), ReadOptions::default()).unwrap();
+    let plain: Vec<gcode::Move> = plain.collect::<Result<_, _>>().unwrap();
+    let mut ends = Vec::new();
+    for name in ["siemens", "heidenhain", "klipper", "marlin"] {
+        let out = scratch.path(name);
+        let file = printed(&out, &["--flavour", name]);
+        assert_eq!(summary(&out)["flavour"], name);
+        let flavour = fs::read_to_string(Path::new(&out).join("flavour.json")).unwrap();
+        let flavour: Flavour = serde_json::from_str(&flavour).unwrap();
+        assert_eq!(Some(&flavour), Flavour::built_in(name).as_ref());
+        let moves = FlavourReader::new(file.as_bytes(), &flavour, FlavourReadOptions::default()).unwrap();
+        let moves: Vec<gcode::Move> = moves.collect::<Result<_, _>>().unwrap();
+        let tips = |moves: &[gcode::Move]| -> Vec<Point3<f64>> {
+            let tip = |item: &gcode::Move| match *item {
+                gcode::Move::Travel { tip, .. } | gcode::Move::Print { tip, .. } => Some(tip),
+                _ => None,
+            };
+            moves.iter().filter_map(tip).collect()
+        };
+        let (ours, theirs) = (tips(&plain), tips(&moves));
+        assert!(ours.len() > 20 && ours.len() == theirs.len());
+        assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).norm() < 2e-4), "{name}");
+        ends.push(file);
+    }
+    assert!(ends[1].starts_with("0 BEGIN PGM block_1 MM\r\n"), "{}", &ends[1][..80]);
+    // The flavour that a run leaves is a file of one; so is it in a profile, from its own folder.
+    let mine = Path::new(&scratch.path("siemens")).join("flavour.json").display().to_string();
+    assert_eq!(printed(&scratch.path("mine"), &["--flavour", &mine]), ends[0]);
+    let profile = scratch.path("profile.json");
+    fs::write(&profile, r#"{"flavour": "siemens/flavour.json", "start_gcode": ["M77"]}"#).unwrap();
+    assert!(printed(&scratch.path("profile"), &["--profile", &profile]).contains("\nN10 M77\n"));
+    let changed = fs::read_to_string(&mine).unwrap().replace("\"max_length\": 512", "\"max_length\": 5");
+    let bad = scratch.path("bad.json");
+    fs::write(&bad, changed).unwrap();
+    let unknown = scratch.path("unknown.json");
+    fs::write(&unknown, "{\"nam\": 1}").unwrap();
+    for (more, status, words) in [
+        (&["--flavour", "linuxcnc"][..], 2, "the flavour `linuxcnc` takes moves of a machine's axes"),
+        (&["--flavour", "fanuc"], 2, "`fanuc` is no G-code flavour: there are linuxcnc, "),
+        (&["--flavour", "no-such.json"], 1, "no-such.json"),
+        (&["--flavour", &bad], 1, "`lines.max_length`: 5 is not from 32 to 16384"),
+        (&["--flavour", &unknown], 1, "unknown field `nam`"),
+        (&["--flavour", "siemens", "--dialect", "ijk"], 2, "--dialect does nothing in the flavour `siemens`"),
+        (&["--flavour", "siemens", "--line-numbers"], 2, "--line-numbers does nothing in the flavour `siemens`"),
+    ] {
+        let out = scratch.path("none");
+        let output = run(&[&["--mesh", &mesh, "--cell", "1", "--quiet", "--out", &out][..], more].concat());
+        let (found, line) = status_and_line(&output);
+        assert!(found == status && line.contains(words), "{more:?}: {found} {line}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr).lines().count(), 1, "{more:?}");
+        assert!(!Path::new(&out).exists());
+    }
+}
+
+/// The beads that the page on machine files shows are those of the golden programs; it shows all flavours that the command takes.
+#[test]
+fn the_page_on_machine_files_shows_each_flavour() {
+    let page = common::formats(Some("machine-files.md"));
+    let of_part: Vec<&str> = Flavour::names()
+        .iter()
+        .copied()
+        .filter(|name| Flavour::built_in(name).is_some_and(|flavour| flavour.direction != Direction::Axes))
+        .collect();
+    for name in &of_part {
+        let row = page.lines().find(|line| line.starts_with(&format!("| `{name}` |"))).unwrap();
+        let bead = row.split('`').nth(3).unwrap();
+        let golden = format!("../toolpath/tests/golden/flavours/{name}.ngc");
+        let golden = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(golden)).unwrap();
+        assert!(golden.lines().any(|line| line == bead), "{name}: {bead}");
+    }
+    assert_eq!(of_part, ["klipper", "marlin", "siemens", "heidenhain"]);
 }
 
 /// Bug: 19 waypoints that gouge, pieces that are left out and a turn of 119 degrees ended with status 0 and no word. Of a post with an

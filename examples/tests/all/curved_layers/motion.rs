@@ -1,6 +1,7 @@
 //! The motion of a robot and its programs.
 
 use super::*;
+use curvlay_kinematics::workcell::Workcell;
 
 /// Where `kind` stands in `trajectory.csv` of a UR3; `layer`, `path`, `waypoint` and `filament_mm` follow.
 const KIND: usize = 8;
@@ -41,54 +42,87 @@ fn a_robot_prints_a_block() {
     let laid_cm3 = laid * std::f64::consts::PI * 1.75 * 1.75 / 4.0 / 1000.0;
     assert!((shown_cm3 / laid_cm3 - 1.0).abs() < 1e-6, "{shown_cm3} {laid_cm3}");
 
-    // A line a layer, which add up to the whole.
-    let layers = fs::read_to_string(Path::new(&out).join("layers.csv")).unwrap();
+    layers_add_up(&out, &figures);
+    let steps = steps_of(&Path::new(&out).join("print_001.script"));
+    the_program_is_the_motion(&steps, &lines, &figures);
+    the_filament_is_pushed(&steps, laid, &figures);
+    let bytes = fs::metadata(Path::new(&out).join("print_001.script")).unwrap().len();
+    assert_eq!((count("program_files"), count("program_bytes")), (1, bytes));
+
+    // In small files the steps are the same, but for the way to the first posture of each.
+    let cut = scratch.path("cut");
+    block(size, &cut, &[&common[..], &["--program-steps", "1000"]].concat());
+    small_files_have_the_same_steps(&cut, &steps);
+}
+
+/// The steps of a program, read again.
+fn steps_of(file: &Path) -> Vec<Step> {
+    let reader = UrScriptReader::new(BufReader::new(fs::File::open(file).unwrap())).unwrap();
+    reader.collect::<Result<Vec<Step>, _>>().unwrap()
+}
+
+/// The joints of a tick.
+fn servo(step: &Step) -> Option<[f64; 6]> {
+    if let Step::Servo { joints, seconds: 0.008 } = step { Some(*joints) } else { None }
+}
+
+/// Where a program begins, and all of its ticks.
+fn stream_of(steps: &[Step]) -> Vec<[f64; 6]> {
+    let Step::Move(Move { goal: Goal::Joints(first), .. }) = steps[0] else { panic!("{:?}", steps[0]) };
+    [first].into_iter().chain(steps.iter().filter_map(servo)).collect()
+}
+
+fn apart(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// `layers.csv`: a line a layer, which add up to the whole.
+fn layers_add_up(out: &str, figures: &Value) {
+    let layers = fs::read_to_string(Path::new(out).join("layers.csv")).unwrap();
     let column = |name: &str| {
         let at = layers.lines().next().unwrap().split(',').position(|known| known == name).unwrap();
         layers.lines().skip(1).map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect::<Vec<f64>>()
     };
     assert_eq!((column("layer"), column("motions"), column("faults")), (vec![1.0, 2.0], vec![1.0; 2], vec![0.0; 2]));
-    assert_eq!(column("waypoints").iter().sum::<f64>() as u64, count("waypoints"));
-    assert!((column("robot_s").iter().sum::<f64>() - robot_s).abs() < 0.01);
+    assert_eq!(column("waypoints").iter().sum::<f64>() as u64, figures["waypoints"].as_u64().unwrap());
+    assert!((column("robot_s").iter().sum::<f64>() - figures["robot_time_s"].as_f64().unwrap()).abs() < 0.01);
     let shares = column("realtime_factor");
     let taken: Vec<f64> = ["plan_s", "transfers_s"].iter().map(|name| column(name)[0]).collect();
     assert!((taken.iter().sum::<f64>() / column("robot_s")[0] - shares[0]).abs() < 1e-3 && shares[0] > 0.0);
+}
 
-    let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(UR3_CELL.as_bytes()).unwrap() else { panic!("it has a table") };
-    let robot = OnCell::new(cell, Vec::new());
-    let tip = |joints: &[f64; 6]| robot.nozzle(joints).unwrap().translation.vector;
-    // The program is the same motion, 125 times a second: within the arm's speeds, through the posture of every knot.
-    let file = fs::File::open(Path::new(&out).join("print_001.script")).unwrap();
-    let reader = UrScriptReader::new(BufReader::new(file)).unwrap();
-    let steps = reader.collect::<Result<Vec<Step>, _>>().unwrap();
+/// The program is the motion, 125 times a second: within the arm's speeds, through the posture of every knot.
+fn the_program_is_the_motion(steps: &[Step], lines: &[Vec<&str>], figures: &Value) {
     let of_line = |line: &[&str]| -> [f64; 6] { std::array::from_fn(|joint| line[joint + 2].parse().unwrap()) };
-    let apart = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let Step::Move(Move { goal: Goal::Joints(first), .. }) = steps[0] else { panic!("{:?}", steps[0]) };
-    assert!(apart(&first, &of_line(&lines[0])) < 2e-9);
+    let stream = stream_of(steps);
+    assert!(apart(&stream[0], &of_line(&lines[0])) < 2e-9);
     // It begins and ends at home.
     let Some(Step::Servo { joints: end, .. }) = steps.last() else { panic!("{:?}", steps.last()) };
-    assert!(apart(&first, end) < 1e-9, "{first:?} {end:?}");
-    let servo = |step: &Step| if let Step::Servo { joints, seconds: 0.008 } = step { Some(*joints) } else { None };
-    let stream: Vec<[f64; 6]> = [first].into_iter().chain(steps.iter().filter_map(servo)).collect();
+    assert!(apart(&stream[0], end) < 1e-9, "{:?} {end:?}", stream[0]);
     // The extruder goes off 0.03 s late, while the arm goes home: no posture is held for it.
-    let moving = &stream[..];
-    assert_eq!(moving.len() as u64, count("program_steps") + 1);
+    assert_eq!(stream.len() as u64, figures["program_steps"].as_u64().unwrap() + 1);
     // Rounded up to a tick.
-    assert!((moving.len() as f64 - 1.0) * 0.008 - robot_s < 0.008 && moving.len() as f64 * 0.008 > robot_s);
+    let robot_s = figures["robot_time_s"].as_f64().unwrap();
+    assert!((stream.len() as f64 - 1.0) * 0.008 - robot_s < 0.008 && stream.len() as f64 * 0.008 > robot_s);
     assert!(stream.windows(2).all(|pair| apart(&pair[0], &pair[1]) < 0.008 * std::f64::consts::TAU));
     let on = |on: bool| steps.iter().filter(|step| **step == Step::Extruder(on)).count();
     assert_eq!((on(true), on(false)), (2, 2));
     // Through the posture of every knot that a tick is near.
-    for (line, time) in lines.iter().zip(&times) {
+    for line in lines {
+        let time: f64 = line[1].parse().unwrap();
         let tick = time / 0.008;
         let [a, b] = [tick.floor(), tick.ceil()].map(|tick| stream[(tick as usize).min(stream.len() - 1)]);
         let share = tick - tick.floor();
         let between = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share);
         assert!(apart(&between, &of_line(line)) < 1e-3, "{time}");
     }
-    // The filament that the steps push: tick by tick at the speed that was set last, all of it while the extruder is on.
+}
+
+/// The filament that the steps push: tick by tick at the speed that was set last, all of it while the extruder is on. The run has read the
+/// file as well.
+fn the_filament_is_pushed(steps: &[Step], laid: f64, figures: &Value) {
     let (mut speed, mut is_on, mut pushed) = (0.0, false, 0.0);
-    for step in &steps {
+    for step in steps {
         match step {
             Step::Extruder(on) => is_on = *on,
             Step::FilamentSpeed(mm_s) => speed = *mm_s,
@@ -98,37 +132,113 @@ fn a_robot_prints_a_block() {
         assert!(is_on || speed == 0.0 || matches!(step, Step::FilamentSpeed(_)));
     }
     assert!((pushed / laid - 1.0).abs() < 5e-3, "{pushed} {laid}");
-    // The run has read the file as well.
     let read = |key: &str| figures[key].as_f64().unwrap();
     assert!((read("program_filament_mm") - pushed).abs() < 1e-6 && figures["program_not_at_home"] == 0);
     assert!(read("program_off_mm") < 1e-5, "{}", read("program_off_mm"));
-    let tips: Vec<_> = stream.iter().map(tip).collect();
+    let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(UR3_CELL.as_bytes()).unwrap() else { panic!("it has a table") };
+    let robot = OnCell::new(cell, Vec::new());
+    let tip = |joints: &[f64; 6]| robot.nozzle(joints).unwrap().translation.vector;
+    let tips: Vec<_> = stream_of(steps).iter().map(tip).collect();
     let fastest = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm() / 0.008).fold(0.0, f64::max);
     assert!(read("program_travel_mm_s") <= fastest + 1e-6 && read("program_travel_mm_s") > 0.5 * fastest);
-    let bytes = fs::metadata(Path::new(&out).join("print_001.script")).unwrap().len();
-    assert_eq!((count("program_files"), count("program_bytes")), (1, bytes));
+}
 
-    // In small files the steps are the same, but for the way to the first posture of each.
-    let cut = scratch.path("cut");
-    block(size, &cut, &[&common[..], &["--program-steps", "1000"]].concat());
-    let list = fs::read_to_string(Path::new(&cut).join("programs.csv")).unwrap();
+/// Files that each begin and end at home, with the steps of one file, but for a lift and two ways more: home, and back to the next file.
+fn small_files_have_the_same_steps(cut: &str, steps: &[Step]) {
+    let list = fs::read_to_string(Path::new(cut).join("programs.csv")).unwrap();
     let files: Vec<Vec<&str>> = list.lines().skip(1).map(|line| line.split(',').collect()).collect();
     assert_eq!(files.len(), 2);
     assert_eq!((files[0][4], files[1][4]), ("at home", "at home"));
+    let home = stream_of(steps)[0];
     let mut joined: Vec<Step> = Vec::new();
     for file in &files {
-        let file = fs::File::open(Path::new(&cut).join(file[0])).unwrap();
-        let all: Vec<Step> = UrScriptReader::new(BufReader::new(file)).unwrap().map(Result::unwrap).collect();
-        let Step::Move(Move { goal: Goal::Joints(begin), .. }) = all[0] else { panic!("{:?}", all[0]) };
+        let all = steps_of(&Path::new(cut).join(file[0]));
         let end = all.iter().rev().find_map(servo).unwrap();
-        assert!(apart(&begin, &first) < 1e-9 && apart(&end, &first) < 1e-9, "not at home");
+        assert!(apart(&stream_of(&all)[0], &home) < 1e-9 && apart(&end, &home) < 1e-9, "not at home");
         joined.extend(&all[1..]);
     }
-    // A lift and two ways more: home, and back to the next file.
     let servos = |steps: &[Step]| steps.iter().filter(|step| servo(step).is_some()).count();
-    assert!(servos(&joined) > servos(&steps));
+    assert!(servos(&joined) > servos(steps));
     let signals = |steps: &[Step]| steps.iter().filter(|step| matches!(step, Step::Extruder(_))).count();
-    assert_eq!(signals(&joined), signals(&steps));
+    assert_eq!(signals(&joined), signals(steps));
+}
+
+/// The same block as lines with blends: few lines, from home to home, which lay as much in the same time.
+#[test]
+fn a_robot_prints_a_block_by_lines_with_blends() {
+    let scratch = Scratch::new("movep");
+    let out = scratch.path("out");
+    let args = ["--cell", "2", "--stage", "motion", "--program", "urscript-movep"];
+    let figures = block([16.0, 12.0, 4.0], &out, &args);
+    documented(&out);
+    let number = |key: &str| figures[key].as_f64().unwrap();
+    assert_eq!((figures["program_files"].as_u64(), figures["program_not_at_home"].as_u64()), (Some(1), Some(0)));
+    assert!(number("program_off_mm") < 0.01, "{}", number("program_off_mm"));
+    let text = fs::read_to_string(Path::new(&out).join("print_001.script")).unwrap();
+    assert!(
+        text.starts_with("def print_001():\n  # Begins and ends at joints ") && text.ends_with("end\nprint_001()\n")
+    );
+    // Twelve thousand steps of a stream; ten lines a second are a file of 10,000 lines in ten minutes or more.
+    assert!(text.lines().count() < 1500 && text.contains("  movep(pose_trans("), "{}", text.lines().count());
+    let steps: Vec<Step> = UrScriptReader::new(text.as_bytes()).unwrap().collect::<Result<_, _>>().unwrap();
+    let ends: Vec<[f64; 6]> = steps
+        .iter()
+        .filter_map(|step| match step {
+            Step::Move(Move { goal: Goal::Joints(joints), .. }) => Some(*joints),
+            _ => None,
+        })
+        .collect();
+    let apart = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart(&ends[0], &ends[ends.len() - 1]) < 1e-8);
+    // The time of the lines, by the speeds of the TCP that stand in the file.
+    let AnyWorkcell::Six(cell) = AnyWorkcell::from_json(UR3_CELL.as_bytes()).unwrap() else { panic!("it has a table") };
+    let (mut at, mut seconds, mut rest, mut joints) = (None, 0.0, true, ends[0]);
+    for step in &steps {
+        let Step::Move(Move { goal, speed, zone, .. }) = step else { continue };
+        let stops = *zone == curvlay_kinematics::program::Zone::Stop;
+        let ramps = f64::from(u8::from(rest) + u8::from(stops));
+        seconds += match goal {
+            Goal::Line(target) => {
+                let to = target.pose.inverse().translation.vector;
+                let from = at.replace(to).unwrap_or_else(|| {
+                    let pose = cell.controller_pose(&joints).unwrap().target.pose;
+                    pose.inverse().translation.vector
+                });
+                (to - from).norm() / speed.mm_s + ramps * speed.mm_s / 2400.0
+            }
+            Goal::Joints(to) => {
+                let way = apart(&std::mem::replace(&mut joints, *to), to);
+                at = None;
+                way / speed.rad_s + ramps * speed.rad_s / 20.0
+            }
+            Goal::JointMove(_) => panic!("{step:?}"),
+        };
+        rest = stops;
+    }
+    let robot_s = number("robot_time_s");
+    assert!((seconds / robot_s - 1.0).abs() < 0.03, "{seconds} {robot_s}");
+
+    // Cut at lines: more files, each from home to home.
+    let cut = scratch.path("cut");
+    let figures = block([16.0, 12.0, 4.0], &cut, &[&args[..], &["--program-steps", "300"]].concat());
+    assert_eq!((figures["program_files"].as_u64(), figures["program_not_at_home"].as_u64()), (Some(2), Some(0)));
+    let output = run(&["--stage", "motion", "--cell8", "--program", "urscript-movep", "--out", &scratch.path("no")]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("only for arms of Universal Robots"));
+}
+
+/// The same block over a table, for KUKA and for Fanuc.
+#[test]
+fn programs_of_other_makers_are_read_again() {
+    let scratch = Scratch::new("makers");
+    for (format, main) in [("krl", "print.src"), ("tp", "print.ls")] {
+        let out = scratch.path(format);
+        let args = ["--cell", "2", "--stage", "motion", "--cell8", "--program", format];
+        let figures = block([16.0, 12.0, 4.0], &out, &args);
+        documented(&out);
+        assert!(Path::new(&out).join(main).exists());
+        assert_eq!(figures["program_not_at_home"].as_u64(), Some(0), "{format}");
+        assert!(figures["program_off_mm"].as_f64().unwrap() < 0.01);
+    }
 }
 
 /// Bug: each path began wherever its own motion was best, often on another branch of the arm than the path before ends on,

@@ -9,7 +9,7 @@
 //! the program); the way to the next stroke is by joints.
 
 use super::rig::DomeRig;
-use super::turns::{TurnError, TurnPath, choose_turns};
+use super::turns::{TurnChoice, TurnError, TurnPath, choose_turns};
 use crate::arm::Arm;
 use crate::program::{ConfData, Goal, Move, Speed, Step, Target, Zone};
 use nalgebra::{Isometry3, Point3, UnitVector3};
@@ -195,70 +195,98 @@ pub fn print_on_dome(rig: &DomeRig, arm: &Arm, strokes: &[DomeStroke], options: 
     })
 }
 
+/// The print that begins at a home posture. A stroke that turns too far is divided into parts that do not; what cannot be printed is a fault.
 fn from_home(rig: &DomeRig, arm: &Arm, home: &[f64; 6], strokes: &[DomeStroke], options: &DomeOptions) -> DomePrint {
-    // With the arm in the YZ plane, joint 6 is the turn and a constant: at home nothing is turned.
-    let constant = home[5];
-    let range = [arm.limits().lower[5] - constant, arm.limits().upper[5] - constant];
-    let mut print = DomePrint { axis6: [home[5]; 2], home: *home, ..DomePrint::default() };
-    let (mut previous, mut turn) = (*home, 0.0);
     // The last piece comes first.
     let mut waiting: Vec<Piece> = strokes.iter().enumerate().rev().map(|of| Piece::of(rig, of, options)).collect();
-    print.inserted = waiting.iter().map(|piece| piece.points.len() - piece.stroke.points.len()).sum();
-    while let Some(Piece { number, stroke, points, turns, closed, whole }) = waiting.pop() {
-        let path = TurnPath { turns: &turns, closed };
-        let choice = match choose_turns(&[path], range, turn) {
-            Ok(choices) => choices[0],
-            Err(_) if whole && turns.iter().all(|turn| turn.is_finite()) => {
-                let pieces = within_span(&turns, range[1] - range[0] - TAU);
-                print.splits += pieces.len() - 1;
-                waiting.extend(pieces.into_iter().rev().map(|part| {
-                    let (points, turns) = (points[part.clone()].to_vec(), turns[part].to_vec());
-                    Piece { number, stroke, points, turns, closed: false, whole: false }
-                }));
-                continue;
+    let mut printer = Printer::at_home(rig, arm, home, options);
+    printer.print.inserted = waiting.iter().map(|piece| piece.points.len() - piece.stroke.points.len()).sum();
+    let [low, high] = printer.range;
+    while let Some(piece) = waiting.pop() {
+        let path = TurnPath { turns: &piece.turns, closed: piece.closed };
+        match choose_turns(&[path], printer.range, printer.turn) {
+            Ok(choices) => printer.lay(&piece, &choices[0]),
+            Err(_) if piece.whole && piece.turns.iter().all(|turn| turn.is_finite()) => {
+                let parts = piece.parts(high - low - TAU);
+                printer.print.splits += parts.len() - 1;
+                waiting.extend(parts.into_iter().rev());
             }
             Err(TurnError { span, .. }) => {
-                print.faults.push(DomeFault::Turns { stroke: number, span_deg: span.to_degrees() });
-                continue;
-            }
-        };
-        let (points, turns) = (choice.ordered(&points), choice.turned(&turns));
-        let above = stroke.above + options.nozzle_mm;
-        // Where the tip is.
-        let tips: Vec<Point3<f64>> = points.iter().map(|place| place.at + place.normal.into_inner() * above).collect();
-        let posed = tips.iter().zip(&points).zip(&turns);
-        let mut poses: Vec<Isometry3<f64>> =
-            posed.map(|((tip, place), turn)| rig.target_on(tip, &place.normal, *turn)).collect();
-        match follow(arm, &previous, &poses, options.hop_mm, constant, &turns) {
-            Ok((mut joints, below)) => {
-                let kept = spaced(&tips, options.print_mm_s * MIN_SECONDS);
-                print.merged += tips.len() - kept.len();
-                poses = kept.iter().map(|&k| poses[k]).collect();
-                joints = kept.iter().map(|&k| joints[k]).collect();
-                let mut along = 0.0;
-                let steps = (0..kept.len()).map(|k| {
-                    along += if k > 0 { (tips[kept[k]] - tips[kept[k - 1]]).norm() } else { 0.0 };
-                    along
-                });
-                let lengths = steps.collect();
-                for joints in joints.iter().chain(&below) {
-                    print.axis6 = [print.axis6[0].min(joints[5]), print.axis6[1].max(joints[5])];
-                }
-                print.travel += choice.travel.abs();
-                previous = below[1];
-                turn = turns.last().copied().unwrap_or(turn);
-                let confs = quarters(arm, &joints);
-                let feed = stroke.feed;
-                print.strokes.push(PrintedStroke { stroke: number, poses, joints, confs, below, lengths, feed });
-            }
-            Err(point) => {
-                let point = points.get(point).map_or(point, |place| place.point);
-                let at = stroke.points.get(point).map_or_else(Point3::origin, |(at, _)| *at);
-                print.faults.push(DomeFault::Reach { stroke: number, point, x: at.x, y: at.y, z: at.z });
+                printer.print.faults.push(DomeFault::Turns { stroke: piece.number, span_deg: span.to_degrees() });
             }
         }
     }
-    print
+    printer.print
+}
+
+/// A print as it grows, and where the arm is behind its last stroke.
+struct Printer<'a> {
+    rig: &'a DomeRig,
+    arm: &'a Arm,
+    options: &'a DomeOptions,
+    print: DomePrint,
+    /// What joint 6 is beyond the turn: with the arm in the YZ plane a constant.
+    constant: f64,
+    /// The turns that joint 6 allows, in radians.
+    range: [f64; 2],
+    /// The joints behind the last stroke, and their turn.
+    previous: [f64; 6],
+    turn: f64,
+}
+
+impl<'a> Printer<'a> {
+    /// At home nothing is turned.
+    fn at_home(rig: &'a DomeRig, arm: &'a Arm, home: &[f64; 6], options: &'a DomeOptions) -> Self {
+        let constant = home[5];
+        let range = [arm.limits().lower[5] - constant, arm.limits().upper[5] - constant];
+        let print = DomePrint { axis6: [home[5]; 2], home: *home, ..DomePrint::default() };
+        Printer { rig, arm, options, print, constant, range, previous: *home, turn: 0.0 }
+    }
+
+    /// Prints a piece in the order and with the whole turns of a choice, or notes the point that is out of reach.
+    fn lay(&mut self, piece: &Piece, choice: &TurnChoice) {
+        let Printer { rig, arm, options, .. } = *self;
+        let (points, turns) = (choice.ordered(&piece.points), choice.turned(&piece.turns));
+        let above = piece.stroke.above + options.nozzle_mm;
+        // Where the tip is.
+        let tips: Vec<Point3<f64>> = points.iter().map(|place| place.at + place.normal.into_inner() * above).collect();
+        let posed = tips.iter().zip(&points).zip(&turns);
+        let poses: Vec<Isometry3<f64>> =
+            posed.map(|((tip, place), turn)| rig.target_on(tip, &place.normal, *turn)).collect();
+        match follow(arm, &self.previous, &poses, options.hop_mm, self.constant, &turns) {
+            Ok(followed) => {
+                self.turn = turns.last().copied().unwrap_or(self.turn);
+                self.print.travel += choice.travel.abs();
+                self.keep(piece, &tips, &poses, followed);
+            }
+            Err(point) => {
+                let point = points.get(point).map_or(point, |place| place.point);
+                let at = piece.stroke.points.get(point).map_or_else(Point3::origin, |(at, _)| *at);
+                self.print.faults.push(DomeFault::Reach { stroke: piece.number, point, x: at.x, y: at.y, z: at.z });
+            }
+        }
+    }
+
+    /// Adds a stroke that the arm follows, without the points that come too soon after the one before.
+    fn keep(&mut self, piece: &Piece, tips: &[Point3<f64>], poses: &[Isometry3<f64>], (joints, below): Followed) {
+        let kept = spaced(tips, self.options.print_mm_s * MIN_SECONDS);
+        self.print.merged += tips.len() - kept.len();
+        let poses = kept.iter().map(|&k| poses[k]).collect();
+        let joints: Vec<[f64; 6]> = kept.iter().map(|&k| joints[k]).collect();
+        let mut along = 0.0;
+        let steps = (0..kept.len()).map(|k| {
+            along += if k > 0 { (tips[kept[k]] - tips[kept[k - 1]]).norm() } else { 0.0 };
+            along
+        });
+        let lengths = steps.collect();
+        for joints in joints.iter().chain(&below) {
+            self.print.axis6 = [self.print.axis6[0].min(joints[5]), self.print.axis6[1].max(joints[5])];
+        }
+        self.previous = below[1];
+        let confs = quarters(self.arm, &joints);
+        let (stroke, feed) = (piece.number, piece.stroke.feed);
+        self.print.strokes.push(PrintedStroke { stroke, poses, joints, confs, below, lengths, feed });
+    }
 }
 
 /// A stroke, or a part of one that turns too far.
@@ -272,6 +300,15 @@ struct Piece<'a> {
 }
 
 impl<'a> Piece<'a> {
+    /// Parts of it whose turns stay within a span; none is divided once more.
+    fn parts(&self, span: f64) -> Vec<Self> {
+        let part = |part: Range<usize>| {
+            let (points, turns) = (self.points[part.clone()].to_vec(), self.turns[part].to_vec());
+            Piece { points, turns, closed: false, whole: false, ..*self }
+        };
+        within_span(&self.turns, span).into_iter().map(part).collect()
+    }
+
     fn of(rig: &DomeRig, (number, stroke): (usize, &'a DomeStroke), options: &DomeOptions) -> Self {
         let places: Vec<Point3<f64>> = stroke.points.iter().map(|(at, _)| *at).collect();
         let given = DomeRig::turns(&places, options.pole_mm);

@@ -114,7 +114,7 @@ fn other(tokens: &mut Tokens<impl BufRead>, data: &mut Data, token: Token, place
     }
 }
 
-/// `WaitDI doTapeReady,1;`. Only the inputs of a tape head become steps: of others nobody knows what they are for.
+/// `WaitDI doTapeReady,1;`. Only the inputs of a tape head become steps: what others are for is unknown.
 fn wait_digital(
     tokens: &mut Tokens<impl BufRead>,
     data: &mut Data,
@@ -204,7 +204,7 @@ fn passed_or_called(
     Err(tokens.unexpected_at(place, KNOWN, &word))
 }
 
-/// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What nobody has set is as on a
+/// `AccSet 50,50;`, `PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=2;`, `WorldAccLim\On:=2;` or `\Off`. What is not set is as on a
 /// controller: all of the arm's acceleration.
 fn acceleration(
     tokens: &mut Tokens<impl BufRead>,
@@ -447,6 +447,21 @@ fn rest(
         }
     }
     tokens.marks(",")?;
+    let speed = speed(tokens, data)?;
+    tokens.marks(",")?;
+    if let Some(triggers) = triggers {
+        use_triggers(tokens, data, triggers)?;
+        tokens.marks(",")?;
+    }
+    let zone = zone(tokens, data)?;
+    tokens.marks(",")?;
+    frames(tokens, data, matches!(goal, Goal::Joints(_)))?;
+    tokens.marks(";")?;
+    Ok(Step::Move(Move { goal, table, speed, zone }))
+}
+
+/// The speed, and the one that an option puts in its place.
+fn speed(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Speed, ReadError> {
     let mut speed: Speed = data.speed_or_name(tokens)?;
     while let Some(name) = option(tokens)? {
         if name != "v" {
@@ -455,18 +470,28 @@ fn rest(
         tokens.marks(":=")?;
         speed.mm_s = tokens.positive("a speed", 1.0)?;
     }
-    tokens.marks(",")?;
-    if let Some(triggers) = triggers {
-        triggers.push(use_trigger(tokens, data)?);
-        while let Some(name) = option(tokens)? {
-            if !TRIGGER_OPTIONS.contains(&name.as_str()) {
-                return unknown_option(tokens, "T2 to T8", &name);
-            }
-            tokens.marks(":=")?;
-            triggers.push(use_trigger(tokens, data)?);
+    Ok(speed)
+}
+
+/// The first trigger of a line, and those that options add.
+fn use_triggers(
+    tokens: &mut Tokens<impl BufRead>,
+    data: &mut Data,
+    triggers: &mut Vec<(bool, Step)>,
+) -> Result<(), ReadError> {
+    triggers.push(use_trigger(tokens, data)?);
+    while let Some(name) = option(tokens)? {
+        if !TRIGGER_OPTIONS.contains(&name.as_str()) {
+            return unknown_option(tokens, "T2 to T8", &name);
         }
-        tokens.marks(",")?;
+        tokens.marks(":=")?;
+        triggers.push(use_trigger(tokens, data)?);
     }
+    Ok(())
+}
+
+/// The zone, and the radius that an option puts in its place.
+fn zone(tokens: &mut Tokens<impl BufRead>, data: &mut Data) -> Result<Zone, ReadError> {
     let mut zone = data.zone_or_name(tokens)?;
     while let Some(name) = option(tokens)? {
         match name.as_str() {
@@ -478,8 +503,11 @@ fn rest(
             _ => return unknown_option(tokens, "Z or Inpos", &name),
         }
     }
-    tokens.marks(",")?;
-    let by_joints = matches!(goal, Goal::Joints(_));
+    Ok(zone)
+}
+
+/// Tool and work object. A line without a work object is in `wobj0`; to a move to joints they do not matter.
+fn frames(tokens: &mut Tokens<impl BufRead>, data: &mut Data, by_joints: bool) -> Result<(), ReadError> {
     frame(tokens, data, 0, by_joints)?;
     let mut has_object = false;
     while let Some(name) = option(tokens)? {
@@ -496,8 +524,7 @@ fn rest(
     if !has_object && !by_joints && !data.uses(1, super::WOBJ0.as_bytes()) {
         data.use_frame(tokens, 1, super::WOBJ0)?;
     }
-    tokens.marks(";")?;
-    Ok(Step::Move(Move { goal, table, speed, zone }))
+    Ok(())
 }
 
 /// The name of a tool (0) or a work object (1); for a move to joints it does not matter.

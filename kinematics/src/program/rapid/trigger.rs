@@ -6,34 +6,8 @@
 
 use super::{FILAMENT, FilamentOutput, LAG, RapidOptions, RapidSwitching, TRIGGERS};
 use crate::program::Step;
+use crate::program::step::on_path::{Place, place};
 use crate::program::text::Text;
-
-/// Where on its line a signal comes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
-    Begin,
-    End,
-}
-
-/// Where a step belongs on a line that is next to it, if it can be a trigger.
-pub(super) fn place(step: &Step) -> Option<Place> {
-    match step {
-        Step::Extruder(on) => Some(if *on { Place::Begin } else { Place::End }),
-        Step::FilamentSpeed(mm_s) => Some(if *mm_s > 0.0 { Place::Begin } else { Place::End }),
-        Step::Move(_) | Step::Servo { .. } | Step::Signal { .. } | Step::Wait(_) => None,
-    }
-}
-
-/// Signals that wait for their line: one of the extruder and one of the filament at most.
-#[derive(Debug, Default)]
-pub(super) struct Waiting(pub Vec<Step>);
-
-impl Waiting {
-    /// Whether there is a signal of the same output: two at one place of a path have no order.
-    pub fn has(&self, step: &Step) -> bool {
-        self.0.iter().any(|other| std::mem::discriminant(other) == std::mem::discriminant(step))
-    }
-}
 
 /// The triggers of a module: which are set up.
 #[derive(Debug, Default)]

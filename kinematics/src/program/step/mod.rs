@@ -2,6 +2,7 @@
 
 mod data;
 mod external;
+pub(crate) mod on_path;
 mod servo;
 mod signal;
 mod strokes;

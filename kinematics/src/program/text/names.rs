@@ -30,7 +30,22 @@ const URSCRIPT_RESERVED: &str = "\
     kill local loop mod not or pause pass return run sec struct switch sync thread True until while xor movej movel \
     roller conductor tape_heat tape_feed tape_press tape_cut tool_ready tape_hot tape_fed get_standard_digital_in \
     movep movec servoj stopj stopl pose_trans filament_full_scale nozzle pose_inv set_tcp set_payload \
-    set_standard_digital_out set_standard_analog_out p sleep work";
+    set_standard_digital_out set_standard_analog_out p sleep work filament_step rpm_per_mm_s modbus_add_signal \
+    modbus_set_output_signal modbus_set_output_register modbus_set_signal_update_frequency socket_open socket_close \
+    socket_send_line";
+
+/// Words of KRL that a short name could be (*KSS 8.3 SI*, keywords). Case does not count.
+const KRL_RESERVED: &str = "\
+    AND ANIN ANOUT B_AND BOOL BRAKE CASE CAST_FROM CAST_TO CCLOSE CHAN_INFO CHAR CIRC CIRC_REL CONFIRM CONST CONTINUE \
+    COPEN CREAD CWRITE DECL DEF DEFAULT DEFDAT DEFFCT DELAY DIGIN DISTANCE DO ELSE END ENDDAT ENDFCT ENDFOR ENDIF \
+    ENDLOOP ENDSPLINE ENDSWITCH ENDWHILE ENUM EXIT EXT EXTFCT FALSE FOR FRAME GLOBAL GOTO HALT IF IMPORT INT INTERRUPT IS \
+    LIN LIN_REL LOOP MINIMUM MAXIMUM NOT OFF ON OR POS AXIS E6POS E6AXIS PRIO PTP PTP_REL PUBLIC PULSE REAL REPEAT RESUME \
+    RETURN SCIRC SIGNAL SLIN SPL SPLINE SPTP STRUC SWITCH SYNC THEN TO TRIGGER TRUE UNTIL WAIT WHEN WHILE WITH BAS IR_STOPM";
+
+/// Programs that a Fanuc controller has by itself, and words of its instructions (*B-83284EN*). Case does not count.
+const TP_RESERVED: &str = "\
+    ABORT ALL AR BGLOGIC CALL COL CON DO DI ENDFOR END FOR IF JMP LBL LOCK MAIN MONITOR OFF ON OVERRIDE PAUSE PR PRN RI RO \
+    RESUME_PROG RUN SELECT SKIP SR STOP TIMER TO UALM UNLOCK WAIT";
 
 /// Letters that begin a name of RAPID's speeds and zones, before digits only.
 const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
@@ -40,6 +55,8 @@ const RAPID_NUMBERED: [&str; 4] = ["v", "z", "vrot", "vlin"];
 pub(crate) enum Language {
     Rapid,
     UrScript,
+    Krl,
+    Tp,
 }
 
 /// Whether the language keeps a name for itself, and why.
@@ -50,6 +67,8 @@ fn kept(language: Language, name: &str) -> Option<&'static str> {
         Language::Rapid if has(RAPID_INSTALLED) || name.eq_ignore_ascii_case("main") || is_numbered(name) => {
             Some("RAPID has something else of that name")
         }
+        Language::Krl if has(KRL_RESERVED) => Some("it is a word of KRL"),
+        Language::Tp if has(TP_RESERVED) => Some("the controller has a program or an instruction of that name"),
         Language::UrScript if URSCRIPT_RESERVED.split_ascii_whitespace().any(|word| word == name) => {
             Some("it is a word of URScript")
         }
@@ -80,6 +99,19 @@ pub(crate) fn check_name(language: Language, what: &'static str, name: &str, mos
         None => Ok(()),
         Some(why) => Err(WriteError::Name { what, name: name.to_owned(), need: format!("{why}; take another") }),
     }
+}
+
+/// Most characters of a remark.
+const MAX_REMARK: usize = 400;
+
+/// Whether a remark is one line that every controller shows.
+pub(crate) fn check_remark(what: &'static str, remark: Option<&str>) -> Result<(), WriteError> {
+    let Some(remark) = remark else { return Ok(()) };
+    if remark.len() <= MAX_REMARK && remark.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
+        return Ok(());
+    }
+    let need = format!("one line of at most {MAX_REMARK} printable ASCII characters");
+    Err(WriteError::Name { what, name: remark.chars().take(40).collect(), need })
 }
 
 /// Names that must all differ, whatever their case: RAPID has one table for modules, routines, data and signals.

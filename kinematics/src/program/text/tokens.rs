@@ -3,7 +3,7 @@
 use crate::program::check::MAX_NUMBER;
 use std::io::{self, BufRead};
 
-/// Longest line that is read, in bytes: our lines have less than 400, and nobody's file may fill the memory.
+/// Longest line that is read, in bytes: our lines have less than 400, and no file may fill the memory.
 const MAX_LINE: usize = 16 * 1024;
 
 /// What some editors put before a text in UTF-8.
@@ -187,6 +187,12 @@ impl<R: BufRead> Tokens<R> {
                 return Err(self.unexpected("%%% at the end of the header", Token::End));
             }
         }
+    }
+
+    /// Goes on behind the end of the line.
+    pub fn skip_line(&mut self) {
+        self.peeked = None;
+        self.at = self.line.len();
     }
 
     /// The line that is being read.

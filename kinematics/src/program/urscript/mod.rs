@@ -2,9 +2,12 @@
 //!
 //! [`UrScriptOptions`] states frames, units and signals; [`UrScriptReader`] what is read.
 
+mod extruder;
 mod read;
+mod signals;
 mod write;
 
+pub use extruder::UrExtruder;
 pub use read::UrScriptReader;
 pub use write::{UrScriptWritten, write_urscript};
 
@@ -39,7 +42,13 @@ pub enum Straight {
 /// `speed/filament_full_scale`. That variable, in mm/s, is set before the first such line, so the scale too is changed in
 /// one line. A signal of a tape head is a standard digital output whose number is in a variable, set before its first use, too. The value of the scale has a decimal point, so that the division is never one of whole numbers. An output does not move
 /// the arm and so takes no time of a control cycle (URScript manual, thread scheduling): it stands between two
-/// `servoj` and does not end the stream. What is on when the steps end is switched off.
+/// `servoj` and does not end the stream. What is on when the steps end is switched off. With [`UrExtruder`] the extruder is driven by Modbus or by a socket
+/// instead.
+///
+/// # Start
+/// A controller runs what it is sent at a port (30001 to 30003, 30011 to 30013) if it begins with `def` in the first column, all else is indented, and the last line is `end` in
+/// the first column (*Script Manual*, connecting to URControl): it runs by itself then. A `Script` node that loads a file runs its lines as a part of the program around it, where a function
+/// must be called: [`starts`](Self::starts). No file does for both.
 ///
 /// # Blends
 /// A controller refuses blends that overlap, so a radius is reduced to 0.49 of the way to the target before and of the
@@ -76,6 +85,10 @@ pub struct UrScriptOptions {
     pub lookahead_s: f64,
     /// How hard `servoj` follows, 100 to 2000. Default 2000: with less the arm lags as much, but swings beyond corners.
     pub gain: f64,
+    /// A line of comment at the head of the program, for whoever runs it: plain ASCII, 400 characters at most. Default `None`.
+    pub remark: Option<String>,
+    /// What drives the extruder. Default [`UrExtruder::Outputs`].
+    pub extruder: UrExtruder,
     /// The standard digital output of the extruder, 0 to 7.
     pub output: u8,
     /// The standard digital outputs of a tape head, 0 to 7, in the order of [`HeadSignal::ALL`]; none is another's or the
@@ -111,6 +124,8 @@ impl Default for UrScriptOptions {
             approach_rad_s: 0.5,
             lookahead_s: 0.03,
             gain: 2000.0,
+            remark: None,
+            extruder: UrExtruder::Outputs,
             output: 0,
             head_outputs: HeadSignal::UR_OUTPUTS,
             head_inputs: HeadInput::UR_INPUTS,

@@ -1,10 +1,11 @@
 //! URScript, read. [`UrScriptReader`] states what it knows.
 
-use super::{FRAMES, FULL_SCALE, MM_PER_M};
+use super::signals::{self, Units};
+use super::{FRAMES, MM_PER_M};
 use crate::program::check::MAX_NUMBER;
 use crate::program::text::tokens::{Token, Tokens};
 use crate::program::{
-    ConfData, Goal, HeadInput, HeadSignal, Move, Payload, ReadError, Speed, Step, Target, Zone, step::until_error,
+    ConfData, Goal, HeadInput, Move, Payload, ReadError, Speed, Step, Target, Zone, step::until_error,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::io::BufRead;
@@ -16,7 +17,8 @@ use std::io::BufRead;
 /// number: a function without arguments; `work=p[..]` or, with the part in the hand, `nozzle=p[..]`; `set_tcp`;
 /// `set_payload`; then `movel`, `movep`, `movej`, `servoj`, `stopj`, `set_standard_digital_out`,
 /// `set_standard_analog_out` and `filament_full_scale=`, outputs of a tape head by name (`tape_cut=6`), and
-/// waits for its inputs (`while (not get_standard_digital_in(tape_hot)): sync() end`). All else is an error with line and column, and so is a number
+/// waits for its inputs (`while (not get_standard_digital_in(tape_hot)): sync() end`); of an extruder at Modbus or a socket
+/// ([`UrExtruder`](super::UrExtruder)) the calls that set it up, `modbus_set_output_signal`, `modbus_set_output_register` and `socket_send_line`. All else is an error with line and column, and so is a number
 /// that no writer of ours takes (beyond 1e6 mm, rad, mm/s or s).
 ///
 /// What the file does not say comes back as the default: configuration data, and of [`Speed`] what the instruction
@@ -25,8 +27,7 @@ use std::io::BufRead;
 pub struct UrScriptReader<R> {
     tokens: Tokens<R>,
     head: Head,
-    /// Of the filament's speed, mm/s, once the program has set it.
-    full_scale: Option<f64>,
+    units: Units,
     over: bool,
 }
 
@@ -71,7 +72,7 @@ impl<R: BufRead> UrScriptReader<R> {
             tokens.marks(")")?;
             head.payload = Some(Payload { mass_kg, centre: centre.into() });
         }
-        Ok(UrScriptReader { tokens, head, full_scale: None, over: false })
+        Ok(UrScriptReader { tokens, head, units: Units::default(), over: false })
     }
 
     /// The program's name.
@@ -114,37 +115,6 @@ fn servo(tokens: &mut Tokens<impl BufRead>) -> Result<Step, ReadError> {
     Ok(Step::Servo { joints, seconds })
 }
 
-/// `set_standard_digital_out(0,True)`, from the bracket on. An output with a name is one of a tape head, a number the extruder's.
-fn digital_output(tokens: &mut Tokens<impl BufRead>) -> Result<Step, ReadError> {
-    tokens.marks("(")?;
-    let output = tokens.peek()?;
-    let signal = signal_of(tokens, output);
-    match signal {
-        Some(_) => _ = tokens.next()?,
-        None => _ = tokens.whole()?,
-    }
-    tokens.marks(",")?;
-    let token = tokens.next()?;
-    let on = tokens.is_word(token, "True");
-    if !on && !tokens.is_word(token, "False") {
-        return Err(tokens.unexpected("True or False", token));
-    }
-    tokens.marks(")")?;
-    Ok(signal.map_or(Step::Extruder(on), |signal| Step::Signal { signal, on }))
-}
-
-/// `set_standard_analog_out(0,4.5/filament_full_scale)`, from the bracket on, for a full scale of `most`.
-fn filament_speed(tokens: &mut Tokens<impl BufRead>, most: f64) -> Result<Step, ReadError> {
-    tokens.marks("(")?;
-    tokens.whole()?;
-    tokens.marks(",")?;
-    let mm_s = tokens.within("a speed of the filament from 0 to the full scale", 0.0, most)?;
-    tokens.marks("/")?;
-    tokens.expect_word(FULL_SCALE)?;
-    tokens.marks(")")?;
-    Ok(Step::FilamentSpeed(mm_s))
-}
-
 /// The end of the file behind `end`. A file that starts itself calls its function before.
 fn end(tokens: &mut Tokens<impl BufRead>, name: &str) -> Result<(), ReadError> {
     let mut token = tokens.next()?;
@@ -163,7 +133,7 @@ fn step(
     tokens: &mut Tokens<impl BufRead>,
     name: &str,
     part_in_hand: bool,
-    full_scale: &mut Option<f64>,
+    units: &mut Units,
 ) -> Result<Option<Step>, ReadError> {
     loop {
         let token = tokens.next()?;
@@ -183,17 +153,11 @@ fn step(
             return Ok(Some(step_of(goal, Speed { rad_s, ..Speed::default() }, radius)));
         } else if tokens.is_word(token, "servoj") {
             return servo(tokens).map(Some);
-        } else if tokens.is_word(token, "set_standard_digital_out") {
-            return digital_output(tokens).map(Some);
-        } else if tokens.is_word(token, "set_standard_analog_out") {
-            let Some(most) = *full_scale else {
-                return Err(tokens.unexpected("filament_full_scale before an analog output", token));
-            };
-            return filament_speed(tokens, most).map(Some);
-        } else if tokens.is_word(token, FULL_SCALE) {
-            tokens.marks("=")?;
-            *full_scale = Some(tokens.positive("a speed of the filament", 1.0)?);
-        } else if signal_of(tokens, token).is_some() || input_of(tokens, token).is_some() {
+        } else if let Some(found) = signals::read(tokens, token, units)? {
+            if found.is_some() {
+                return Ok(found);
+            }
+        } else if input_of(tokens, token).is_some() {
             tokens.marks("=")?;
             tokens.whole()?;
         } else if tokens.is_word(token, "while") {
@@ -208,11 +172,6 @@ fn step(
             return Err(tokens.unexpected("movel, movep, movej, servoj, stopj, a signal, a wait or end", token));
         }
     }
-}
-
-/// The signal of a tape head whose name stands there.
-fn signal_of<R: BufRead>(tokens: &Tokens<R>, token: Token) -> Option<HeadSignal> {
-    HeadSignal::ALL.into_iter().find(|signal| tokens.is_word(token, signal.urscript()))
 }
 
 /// The input of a tape head whose name stands there.
@@ -296,6 +255,6 @@ impl<R: BufRead> Iterator for UrScriptReader<R> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let Head { name, part_in_hand, .. } = &self.head;
-        until_error(&mut self.over, || step(&mut self.tokens, name, *part_in_hand, &mut self.full_scale))
+        until_error(&mut self.over, || step(&mut self.tokens, name, *part_in_hand, &mut self.units))
     }
 }

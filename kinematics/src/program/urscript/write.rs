@@ -1,9 +1,9 @@
 //! URScript, written.
 
-use super::{DECIMALS, FRAMES, FULL_SCALE, MM_PER_M, Straight, UrScriptOptions};
+use super::{DECIMALS, FRAMES, FULL_SCALE, MM_PER_M, Straight, UrExtruder, UrScriptOptions};
 use crate::program::check::{Checker, MIN_NUMBER, check_frame, check_option, check_payload};
 use crate::program::text::Text;
-use crate::program::text::names::{Language, check_name};
+use crate::program::text::names::{Language, check_name, check_remark};
 use crate::program::{Goal, HeadInput, HeadSignal, Move, ProgramLimits, Step, WriteError, Zone};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;
@@ -73,7 +73,7 @@ pub fn write_urscript(
 ) -> Result<UrScriptWritten, WriteError> {
     check_options(options)?;
     let failed = |source| WriteError::Io { file: options.name.clone(), source };
-    let filament_mm_s = options.limits.filament_mm_s.min(options.filament_full_scale_mm_s);
+    let filament_mm_s = options.limits.filament_mm_s.min(options.extruder.max_mm_s(options));
     let mut limits = ProgramLimits { filament_mm_s, ..options.limits };
     if let Some(arm) = &options.arm {
         tighten(&mut limits, &ProgramLimits::of_arm(arm));
@@ -160,7 +160,11 @@ impl<'a> Program<'a> {
     fn begin(options: &'a UrScriptOptions) -> Self {
         let mut text = Text::default();
         let (frame, tcp) = frames(options);
-        text.word("def ").word(&options.name).word("():\n  ").word(frame_name(options)).word("=");
+        text.word("def ").word(&options.name).word("():\n  ");
+        if let Some(remark) = &options.remark {
+            text.word("# ").word(remark).word("\n  ");
+        }
+        text.word(frame_name(options)).word("=");
         write_pose(&mut text, frame);
         text.word("\n  set_tcp(");
         write_pose(&mut text, tcp);
@@ -170,6 +174,7 @@ impl<'a> Program<'a> {
             text.word("  set_payload(").fixed(payload.mass_kg, DECIMALS).word(",");
             text.list(centre.as_slice(), DECIMALS).word(")\n");
         }
+        options.extruder.write_head(&mut text);
         Program {
             options,
             text,
@@ -232,9 +237,8 @@ impl<'a> Program<'a> {
 
     fn switch(&mut self, on: bool) {
         self.extruding = on;
-        let output = f64::from(self.options.output);
-        let text = self.signals().word("  set_standard_digital_out(").fixed(output, 0);
-        text.word(if on { ",True)\n" } else { ",False)\n" });
+        let options = self.options;
+        options.extruder.write_switch(self.signals(), on, options);
     }
 
     fn signal(&mut self, signal: HeadSignal, on: bool) {
@@ -263,13 +267,12 @@ impl<'a> Program<'a> {
     fn feed(&mut self, mm_s: f64) {
         self.feeding = mm_s > 0.0;
         let is_first = !std::mem::replace(&mut self.scaled, true);
-        let (output, scale) = (f64::from(self.options.filament_output), self.options.filament_full_scale_mm_s);
+        let options = self.options;
         let text = self.signals();
-        if is_first {
-            write_full_scale(text, scale);
+        if is_first && options.extruder == UrExtruder::Outputs {
+            write_full_scale(text, options.filament_full_scale_mm_s);
         }
-        text.word("  set_standard_analog_out(").fixed(output, 0).word(",");
-        text.fixed(mm_s, DECIMALS).word("/").word(FULL_SCALE).word(")\n");
+        options.extruder.write_speed(text, mm_s, options);
     }
 
     /// Writes the move that waits; `next` is where the next one goes.
@@ -323,6 +326,7 @@ impl<'a> Program<'a> {
             }
         }
         self.stop_stream();
+        self.options.extruder.write_end(&mut self.text);
         self.text.word("end\n");
         if self.options.starts {
             self.text.word(&self.options.name).word("()\n");
@@ -392,6 +396,8 @@ fn written_pose(options: &UrScriptOptions, pose: &Isometry3<f64>) -> Isometry3<f
 
 fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
     check_name(Language::UrScript, "name", &options.name, 64)?;
+    check_remark("remark", options.remark.as_deref())?;
+    options.extruder.check()?;
     check_frame("work", &options.work)?;
     check_frame("tool", &options.tool)?;
     if let Some(payload) = &options.payload {

@@ -25,7 +25,7 @@ use prism::Prism;
 /// What the bodies of an arm come from, and how far they can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkSource {
-    /// The arm, by its name in [`robots::ARMS`].
+    /// The arm, by its name in [`robots::CATALOGUE`].
     pub arm: &'static str,
     /// Where the figures come from.
     pub source: &'static str,

@@ -1,6 +1,9 @@
 //! What several test files share: robots by name, reference rows, joints and poses to compare.
 
+#[cfg(feature = "serde")]
+pub mod cells;
 pub mod files;
+pub mod programs;
 pub mod solids;
 
 use curvlay_kinematics::nalgebra::{Isometry3, Matrix4};

@@ -30,6 +30,7 @@ impl Level {
 
     /// Raises `best` to the largest `n.p` on this level if that is larger, and returns its place.
     fn raise(&self, n: Vec3, best: &mut i64) -> Option<Vec3> {
+        // The box bounds what the outline can reach: most levels are passed over by it.
         let side = |axis: usize| n[axis] * if n[axis] > 0 { self.high[axis] } else { self.low[axis] };
         let base = n[2] * self.z;
         if self.corners.is_empty() || base + side(0) + side(1) <= *best {
@@ -86,6 +87,7 @@ impl Body {
     pub(super) fn add(&mut self, [x, y, z]: [u32; 3]) {
         let (x, y, z) = (x as u16, y as usize, z as usize);
         let ends = &mut self.ends[y + self.rows_per_level * z];
+        // A cell between the ends of its row lies in their hull.
         if x < ends[0] || x > ends[1] {
             *ends = [ends[0].min(x), ends[1].max(x)];
             if !self.has_moved[z] {
@@ -112,6 +114,7 @@ impl Body {
     pub(super) fn support(&self, n: Vec3) -> (i64, Vec3) {
         let mut best = i64::MIN;
         let mut point = self.platform.raise(n, &mut best).unwrap_or_default();
+        // `raise` returns nothing for a level that reaches no farther: the point stays with the offset.
         for level in &self.levels {
             point = level.raise(n, &mut best).unwrap_or(point);
         }

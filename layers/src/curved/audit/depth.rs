@@ -48,6 +48,8 @@ impl Question {
     fn margin(&self, n: Vec3) -> i64 {
         let norm2: u128 = n.iter().map(|&x| u128::from(x.unsigned_abs()).pow(2)).sum();
         let square = u128::from(self.inside_depth).pow(2) * norm2; // (1024 eps |n|)^2
+        // The integer root rounds down; the margin must not be too small, so where points at that depth are inside it is rounded up. `1024
+        // eps |n|` over 512 is `2 eps |n|`, in half cells.
         let root = square.isqrt();
         match self.closed {
             true => (root + u128::from(root * root < square)).div_ceil(512) as i64,
@@ -110,6 +112,7 @@ impl Depths {
         let mut place = 0..;
         let fixed = self.fixed;
         self.witnesses.retain(|witness| place.next() < Some(fixed) || witness.used >= oldest);
+        // Offsets only grow, so those of levels that did not change hold on.
         for witness in &mut self.witnesses {
             witness.offset = body.raised(witness.n, witness.offset, levels);
         }
@@ -127,6 +130,7 @@ impl Depths {
             self.last = at;
             return false;
         }
+        // The coarse hull is part of the body's: deep in it is deep in the body.
         if !self.facets.is_empty() && !self.facets.iter().any(clears) {
             return true;
         }
@@ -152,6 +156,8 @@ impl Depths {
                     near = true;
                     let n = self.facets[at].n;
                     let (offset, point) = body.support(n);
+                    // With the body's own offset the direction is a witness. Else the body has a point beyond this facet, and the coarse
+                    // hull gets nearer to it.
                     if dot(n, c) > offset - self.facets[at].margin {
                         self.remember(n, offset);
                         self.wrap();
@@ -177,6 +183,7 @@ impl Depths {
         loop {
             let points = self.coarse.len();
             for facet in &self.facets {
+                // A facet of the coarse hull that is farther away than the nearest plane of the body so far cannot hide a nearer one.
                 if distance(facet.n, facet.offset) < least {
                     let (offset, point) = body.support(facet.n);
                     least = least.min(distance(facet.n, offset));
@@ -204,7 +211,7 @@ impl Depths {
     }
 }
 
-/// The directions to the 26 neighbours of a cell, as far as the question allows them.
+/// Of the directions to the 26 neighbours of a cell those that the question allows.
 fn compass(question: Question) -> impl Iterator<Item = Vec3> {
     let all = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
     all.filter(move |&n| n != [0; 3] && question.bounds(n) && !(question.flat && n[1] != 0))

@@ -18,12 +18,12 @@ pub enum ProofError {
     /// The rules are unsound or do not fit the grid.
     #[error(transparent)]
     Rules(#[from] RulesError),
-    /// The proof names a number that is no cell of the solid.
+    /// The proof names a number that no cell of the solid has.
     #[error("proof {proof}: there is no cell {cell}")]
     NoCell {
         /// Number of the proof.
         proof: usize,
-        /// The number that is no cell.
+        /// The number.
         cell: u32,
     },
     /// A chain of neighbours leads to the cell without this forced cell.
@@ -79,6 +79,7 @@ pub fn check_impossible(
             return Err(ProofError::NoCell { proof, cell });
         }
         let place = cells.position(*cell);
+        // Forced: without it no chain leads to the cell, so it is built before.
         for &forced in forced {
             if chains.without(&[forced]).contains(place) {
                 return Err(ProofError::NotForced { proof, forced });
@@ -93,6 +94,8 @@ pub fn check_impossible(
         }
         let centre = |cell: u32| cells.position(cell).map(|k| 2 * i64::from(k) + 1);
         for &wall in wall {
+            // Each cell of the wall puts the cell inside, together with what is forced: whichever is crossed first, the cell is lost, and
+            // a chain has to cross one.
             let mut body = beginning(cells, platform);
             forced.iter().chain([&wall]).for_each(|&built| body.add(cells.position(built)));
             body.settle();
@@ -100,6 +103,7 @@ pub fn check_impossible(
                 return Err(ProofError::Harmless { proof, wall });
             }
         }
+        // Without a wall the cell was not reached anyway, so what is reached does not change.
         if chains.impossible.insert(place) && !wall.is_empty() {
             open = None;
         }

@@ -243,7 +243,7 @@ pub enum AuditError {
     /// The nozzle is invalid.
     #[error(transparent)]
     Nozzle(#[from] NozzleRuleError),
-    /// A layer or the list of missed cells holds a number that is no cell of the grid.
+    /// A layer or the list of missed cells holds a number that no cell of the grid has.
     #[error("there is no cell {cell} in a grid of {len} cells")]
     OutsideGrid {
         /// The number.
@@ -374,6 +374,7 @@ fn audit_any(
         }
         audit.end_layer(of_layer);
     }
+    // Only now is it known what is built at all.
     audit.judge_missed(missed);
     let _ = progress(Progress { stage: "audit", done, total }); // too late to stop
     Ok(audit.report)
@@ -455,11 +456,13 @@ impl<'a> Audit<'a> {
             self.report.add(|counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
             return;
         }
+        // By what earlier layers have built, `built`, not by what this layer lists.
         let is_supported = stands_on(self.corners, place, self.rules.flat)
             || self.support.iter().any(|&step| self.built.contains_at(place, step));
         if !is_supported {
             self.report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
         }
+        // The nozzle judges in place of the hull rule. What stays in `directions` belongs to no cell that is built.
         if let (Some(direction), Some(obstructions)) = (self.directions.remove(&cell), &self.obstructions) {
             if let Some(meets) = obstructions.met(place, direction) {
                 let fault = || match meets {
@@ -482,6 +485,7 @@ impl<'a> Audit<'a> {
     /// Builds a layer: cells of one layer do not shadow each other.
     fn end_layer(&mut self, of_layer: &[u32]) {
         let mut new: Vec<(u32, [u32; 3])> = of_layer.iter().map(|&cell| (cell, self.cells.position(cell))).collect();
+        // Faulty entries are listed already; a cell that is built twice counts once.
         new.retain(|&(_, place)| self.cells.contains(place) && self.built.insert(place));
         new.iter().for_each(|&(_, place)| self.body.add(place));
         self.obstructions.iter_mut().for_each(|obstructions| obstructions.end_layer(new.clone()));
@@ -525,6 +529,7 @@ fn supporters(rule: Neighbours) -> Vec<[i64; 3]> {
         Neighbours::FaceOrEdge => steps.filter(|step| (1..=2).contains(&squared(step))).collect(),
         Neighbours::OneNorm => steps.filter(|step| (1..=2).contains(&norm(step))).collect(),
     };
+    // Most cells stand on one that shares a face with them: those are asked first.
     found.sort_by_key(squared);
     found
 }

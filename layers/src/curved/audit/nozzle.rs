@@ -102,6 +102,7 @@ impl Obstructions {
     fn is_clear_of(&self, ball: usize, tip: &Point3<f64>, direction: &Vector3<f64>) -> bool {
         let Some(&(middle, radius)) = self.balls.get(ball) else { return false };
         let margin = self.rule.margin * self.cell_mm;
+        // The last cells have no ball yet: `AT_ONCE` of them make one.
         let to_middle = middle - tip;
         let along = to_middle.dot(direction);
         let across = (to_middle.norm_squared() - along * along).max(0.0).sqrt();
@@ -110,6 +111,7 @@ impl Obstructions {
 
     /// What the nozzle meets with its tip at a cell.
     pub(super) fn met(&self, place: [u32; 3], direction: Vector3<f64>) -> Option<Meets> {
+        // Checked here, not when directions are read: a wrong one is a fault of its cell.
         let is_within = direction.z >= self.rule.max_tilt.cos() - TOUCHES && (direction.norm() - 1.0).abs() < TOUCHES;
         if !is_within {
             return Some(Meets::Limit);
@@ -137,6 +139,7 @@ impl Obstructions {
                 [along, x * x + y * y + z * z - along * along]
             };
             let is_near = |[along, across]: [f64; 2]| (along > -margin) & (across < reach);
+            // Without a branch, so that the compiler looks at several centres at once; the slow way is for those near the cylinder.
             if !(0..xs.len()).fold(false, |any, k| any | is_near(place(k))) {
                 continue;
             }
@@ -180,10 +183,11 @@ fn to_line(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Distances that follow from the drawing of the default nozzle: tip radius 0.5, cone to (8, 8.5), block radius 10.
+    /// Distances that follow from the drawing of a nozzle: tip radius 0.5, cone to (8, 8.5), block radius 10.
     #[test]
     fn distances_are_those_of_the_drawing() {
-        let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, steps: 1, cells: &[] };
+        let rule = NozzleRule { tip_flat_mm: 1.0, ..NozzleRule::default() };
+        let judged = JudgedByNozzle { rule, cell_mm: 1.0, steps: 1, cells: &[] };
         let nozzle = Obstructions::new(&judged, 0);
         let known = [
             ([-2.0, 0.0], 2.0),

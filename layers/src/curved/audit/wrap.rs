@@ -39,6 +39,8 @@ pub(super) fn facet_normals(points: &mut Vec<Vec3>, flat: bool) -> Vec<Vec3> {
         }
         let normal = pivot(points, a, b);
         normals.push(normal);
+        // Each edge has two facets; seen from the other one it runs back. It is closed on this side, and open on the other until that
+        // facet is found.
         for (a, b) in edges(&outline_in_plane(points, normal, a)) {
             covered.insert((a, b));
             open.push((b, a));
@@ -58,6 +60,7 @@ fn pivot(points: &[Vec3], a: Vec3, b: Vec3) -> Vec3 {
     let mut normal = [0; 3];
     for &point in points {
         let arm = minus(point, a);
+        // A point in front of the plane so far: the plane turns about the edge to it. In the end no point is in front.
         if normal == [0; 3] || dot(normal, arm) > 0 {
             normal = cross(edge, arm);
         }
@@ -69,6 +72,7 @@ fn pivot(points: &[Vec3], a: Vec3, b: Vec3) -> Vec3 {
 fn outline_in_plane(points: &[Vec3], normal: Vec3, on: Vec3) -> Vec<Vec3> {
     let offset = dot(normal, on);
     let mut contact: Vec<Vec3> = points.iter().copied().filter(|&point| dot(normal, point) == offset).collect();
+    // Along an axis across which the plane does not stand on edge: projected so, no two points of it fall together.
     let steepest = if normal[2] != 0 {
         2
     } else if normal[1] != 0 {

@@ -73,7 +73,7 @@ impl<'a> ShellFinder<'a> {
     }
 }
 
-/// The bits from `low` up to, not including, `high`, as far as they are in the word.
+/// The bits of the word from `low` up to, not including, `high`.
 fn mask(low: u32, high: u32) -> u64 {
     let below = |bit: u32| if bit >= 64 { u64::MAX } else { (1 << bit) - 1 };
     below(high) & !below(low)

@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn the_floor_covers_the_nozzle() {
         let direction = UnitVector3::new_normalize(Vector3::new(1.0, 2.0, 3.0));
-        let nozzle = NozzleRule::default();
+        let nozzle = NozzleRule { tip_flat_mm: 1.0, ..NozzleRule::default() };
         let [tip, height, block] = [0.5, 8.0, 10.0];
         let narrowing = (1.0 / nozzle.half_angle.tan()).min(height / (block + nozzle.margin));
         let reach =
@@ -208,7 +208,7 @@ mod tests {
         }
     }
 
-    /// Floors fall by a cell from neighbour to neighbour, as far as the field is below them.
+    /// Floors fall by a cell from neighbour to neighbour, until the field is above them.
     #[test]
     fn floors_fall_by_one_a_cell() {
         let cells = Cells::new([40, 1, 1], &[(1 << 40) - 1]).unwrap();

@@ -112,7 +112,7 @@ fn in_cells(cells: &Cells, values: Vec<f64>) -> LayerField {
     field.in_steps(STEPS_PER_LAYER)
 }
 
-/// The field of an order that [`grow_by_distance`] or [`grow_directed`] began and others went on with: theirs as far as the order follows it, then a layer for
+/// The field of an order that [`grow_by_distance`] or [`grow_directed`] began and others went on with: theirs where the order follows it, then a layer for
 /// each layer of the order.
 ///
 /// # Arguments

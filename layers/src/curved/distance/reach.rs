@@ -1,4 +1,4 @@
-//! The order of a distance field, as far as the nozzle that prints reaches.
+//! The order of a distance field, of the cells that the nozzle that prints reaches.
 //!
 //! Steps of the field are taken in their order. A cell is built if a neighbour of an earlier step, or the base, supports it, and if the nozzle finds a
 //! direction in which it meets neither the plate nor a cell of an earlier layer; of the free ones it takes the one nearest to the way in which the field
@@ -24,7 +24,7 @@ use crate::parallel::in_parallel;
 use crate::{Progress, ProgressFn};
 use nalgebra::{UnitVector3, Vector3};
 
-/// How far the nozzle may lean from the way in which the field rises, as a cosine: a right angle, as far as the direction of a nozzle over a bead
+/// How far the nozzle may lean from the way in which the field rises, as a cosine: a right angle, which is how far the direction of a nozzle over a bead
 /// is searched. Less leaves the last cells open where fronts meet: a nozzle gets there only along the front.
 const MIN_COSINE: f64 = 0.0;
 
@@ -48,7 +48,7 @@ pub struct DistanceOrder {
     pub rounds: usize,
 }
 
-/// Orders the cells by their distance from what the part stands on ([`distance_field`](super::distance_field)), as far as the nozzle reaches them. Where it does
+/// Orders the cells by their distance from what the part stands on ([`distance_field`](super::distance_field)), those that the nozzle reaches. Where it does
 /// not, what is in its way is delayed and the field solved again, as long as that leaves fewer cells out.
 ///
 /// # Arguments
@@ -106,7 +106,7 @@ pub fn grow_by_distance(
 /// missed, and support carries it.
 ///
 /// # Arguments
-/// * `given`: a direction for each cell of the grid that the field follows in place of the distance, as far as layers may lean; of length 0 where there is none. Each other cell has the one nearest to it
+/// * `given`: a direction for each cell of the grid that the field follows in place of the distance, up to the lean that layers may have; of length 0 where there is none. Each other cell has the one nearest to it
 ///   inside the part, evened out where two meet ([`Workpiece::directions_at`](super::super::Workpiece::directions_at)).
 /// * `options`: how far its layers lean.
 /// * all others as for [`grow_by_distance`].
@@ -328,7 +328,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// A part as far as it is built.
+/// What is built of a part.
 struct Growing<'a> {
     cells: &'a Cells<'a>,
     rules: &'a Rules,

@@ -73,10 +73,12 @@ pub(crate) fn grow_by_clock(
     let mut clock = Clock::new(cells, platform, rules, release, stays_level)?;
     let first = supported_by_platform(cells, platform, rules)?;
     clock.front.build_all(&first)?;
+    // The plate is at time 0, and the middle of a cell on it half a cell above.
     clock.build(&first.iter().map(|&cell| (cell, 0.5)).collect::<Vec<_>>());
     let total = cells.count() as u64;
     let mut layer = 0.0;
     while let Some(due) = clock.next_due() {
+        // Never the same layer twice, so this ends: what is held back has its time in a later one.
         layer = due.floor().max(layer + 1.0);
         clock.build_layer(layer)?;
         let done = clock.front.order.cells().len() as u64;
@@ -100,7 +102,7 @@ struct Clock<'a> {
     times: Vec<f64>,
     /// No cell is due before this.
     release: Vec<f64>,
-    /// When the cells at the front are due, as far as known.
+    /// When the cells at the front are due, by what is known so far.
     due: Vec<f64>,
     /// The same by time. Entries that `due` has gone below are passed over.
     queue: BinaryHeap<Reverse<(Time, u32)>>,
@@ -178,12 +180,13 @@ impl<'a> Clock<'a> {
         for &(cell, time) in cells {
             self.times[cell as usize] = time;
         }
+        // All times first: when a neighbour is due follows from all of its neighbours at once.
         for &(cell, _) in cells {
             self.advance_from(cell);
         }
     }
 
-    /// Builds what is due in the layer, counted from 0, as far as it shadows nothing.
+    /// Builds what is due in the layer, counted from 0, and shadows nothing.
     fn build_layer(&mut self, layer: f64) -> Result<(), GrowthError> {
         let chosen = self.choose(layer);
         let mut candidates: Vec<u32> = chosen.iter().map(|&(cell, _)| cell).collect();
@@ -193,10 +196,12 @@ impl<'a> Clock<'a> {
         let (held, built): (Vec<_>, Vec<_>) =
             chosen.into_iter().partition(|&(cell, _)| self.front.waiting.contains(cell));
         for (cell, _) in held {
+            // The front went on as if it were built. What became due by that stays in the queue; `choose` looks at the arrival again.
             self.times[cell as usize] = f64::NAN;
             self.release[cell as usize] = self.release[cell as usize].max(end);
             self.held.insert(cell);
         }
+        // What held these back is built or lost now, in this layer: they go on from the next one.
         for cell in std::mem::take(&mut self.front.freed) {
             self.held.remove(cell);
             self.release[cell as usize] = self.release[cell as usize].max(end);
@@ -258,6 +263,7 @@ impl<'a> Clock<'a> {
         let all = Neighbours::FaceOrEdge.offsets();
         let is_level =
             |&(next, time): &(u32, f64)| self.stays_level && time <= f64::from(next / self.level) + 0.5 + ROUNDING;
+        // What a level front carries comes a layer later, sooner than the slope alone would let it.
         let upwards = self.known_around(cell, &all[..BELOW]).filter(is_level).map(|(_, time)| time + 1.0);
         let time = upwards.fold(upwind([0, 1, 2].map(along)), f64::min);
         if time < f64::INFINITY {
@@ -277,6 +283,8 @@ fn waited(time: f64, release: f64) -> f64 {
 fn upwind(mut least: [f64; 3]) -> f64 {
     least.sort_by(f64::total_cmp);
     let [a, b, c] = least;
+    // The front comes along an axis if the neighbours along the others are reached later than this; else they take part, and the time is
+    // the larger root of `sum (time - least)^2 = 1`. The terms under the roots are below 0 by rounding only.
     let mut time = a + 1.0;
     if time > b {
         time = (a + b + (2.0 - (a - b).powi(2)).max(0.0).sqrt()) / 2.0;

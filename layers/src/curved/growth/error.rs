@@ -40,13 +40,13 @@ pub enum GrowthError {
         /// The angle from level, in radians.
         tilt: f64,
     },
-    /// Heights of other cells, or such that are none.
+    /// Heights of other cells, or heights that are not finite.
     #[error("heights over a surface must be finite, and one for each of the {len} cells of the grid")]
     Heights {
         /// Cells of the grid.
         len: usize,
     },
-    /// Directions of other cells, or such that are none.
+    /// Directions of other cells, or directions that are invalid.
     #[error("directions of growth must be finite, and one for each of the {len} cells of the grid")]
     Directions {
         /// Cells of the grid.

@@ -114,8 +114,10 @@ impl Front {
         self.insert(layer)?;
         let added = self.hull.added_since(&start).to_vec();
         self.hull.commit(start);
+        // Before the danger is asked for: what is built cannot be lost.
         layer.iter().for_each(|&cell| self.waiting.remove(cell));
         let mut in_danger = self.take_in_danger(&added, Protected::Others);
+        // The hull has the whole layer already, so these have no proof: `settle` need not look for one.
         let lost = std::mem::take(&mut in_danger.shadowed);
         self.settle(layer, &added, &in_danger);
         lost.iter().for_each(|endangered| self.lose(endangered.cell));
@@ -130,6 +132,7 @@ impl Front {
         let (proposed, others): (Vec<_>, Vec<_>) = endangered.into_iter().partition(is_aside);
         let mut in_danger = InDanger { proposed, ..InDanger::default() };
         let centres = self.centres;
+        // The endangered come row by row, by rising number within a row.
         for row in others.chunk_by(|a, b| centres.row(a.cell) == centres.row(b.cell)) {
             let mut rest = row;
             while let Some((first, after)) = rest.split_first() {
@@ -184,6 +187,8 @@ impl Front {
         for Endangered { cell, proof } in &in_danger.saved {
             self.watch.add(*cell, self.centre(*cell), proof);
         }
+        // The hull may be smaller than the one that they were found with: only a part of the candidates may be built. So some have a proof
+        // after all.
         for &Endangered { cell, .. } in in_danger.proposed.iter().chain(&in_danger.shadowed) {
             if self.waiting.contains(cell) {
                 match self.proof(cell) {

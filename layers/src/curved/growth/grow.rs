@@ -14,7 +14,7 @@ use crate::{Progress, ProgressFn};
 ///
 /// # Arguments
 /// * `governor`: a field that says when a cell may be built at the earliest (Algorithm 5): first the cells with its
-///   least value are grown as far as they go, then those with the next one as well, and so on. [`peel`](crate::curved::peel())
+///   least value are grown until none is left that can be built, then those with the next one as well, and so on. [`peel`](crate::curved::peel())
 ///   makes one.
 /// * `progress`: called with the stage `grow` and the number of cells built after each layer; may cancel.
 ///

@@ -70,6 +70,7 @@ impl<'a> Grower<'a> {
         self.raise_threshold();
         let Grower { front, candidates, options, .. } = self;
         if candidates.is_empty() {
+            // All that could be built is held back: to go on, something must be lost.
             *candidates = prevention::cheapest_group(front, &self.offsets)?;
             if candidates.is_empty() {
                 return Ok(false);
@@ -91,6 +92,7 @@ impl<'a> Grower<'a> {
         self.statistics.trials += selection.trials;
         self.statistics.whole_layers += u64::from(selection.whole);
         if options.candidates == Candidates::OfLastLayer {
+            // As printed: nothing is remembered of candidates that were not built, and they come again only beside a later layer.
             front.forget_blocking();
             if front.order.len() == layers {
                 self.statistics.sacrifices += 1;
@@ -109,6 +111,7 @@ impl<'a> Grower<'a> {
         self.candidates.append(&mut self.front.freed);
         for &cell in self.front.order.layer(last) {
             for neighbour in self.front.waiting.around(cell, &self.offsets) {
+                // Once is enough: a candidate that is not built is held back, and comes back when what holds it back is built or lost.
                 if self.reached.insert(neighbour) {
                     match self.governor.map_or(0, |field| field.value(neighbour)) {
                         value if value <= self.threshold => self.candidates.push(neighbour),
@@ -125,6 +128,7 @@ impl<'a> Grower<'a> {
     /// Adds what is held back because of a candidate, since the two may be built in one layer, and sorts all.
     fn complete_candidates(&mut self) {
         let mut done = 0;
+        // The list grows while it is walked: what one candidate lets go of may hold others back.
         while let Some(&candidate) = self.candidates.get(done) {
             self.front.free_behind(candidate);
             self.candidates.append(&mut self.front.freed);
@@ -138,6 +142,7 @@ impl<'a> Grower<'a> {
     fn raise_threshold(&mut self) {
         loop {
             let front = &self.front;
+            // Candidates that waited for the threshold may have come to lie inside meanwhile.
             self.candidates.retain(|&cell| front.waiting.contains(cell));
             if !self.candidates.is_empty() {
                 return;

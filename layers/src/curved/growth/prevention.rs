@@ -120,6 +120,7 @@ impl Trial<'_> {
         front.insert(candidates)?;
         let added = front.hull.added_since(&start).to_vec();
         let in_danger = front.take_in_danger(&added, protected);
+        // Hulls of parts lie in the hull of all: what all do not shadow no part does.
         if in_danger.shadowed.is_empty() {
             front.hull.commit(start);
             front.settle(candidates, &added, &in_danger);
@@ -134,6 +135,7 @@ impl Trial<'_> {
         select(&mut trial, &mut tried)?;
         let Trial { mut accepted, added, trials, .. } = trial;
         if accepted.is_empty() {
+            // The hull is as it was, and so are the proofs.
             front.put_back(&in_danger);
         } else {
             accepted.sort_unstable();
@@ -182,6 +184,7 @@ impl Trial<'_> {
         }
         self.added.extend(self.front.hull.added_since(&start));
         self.front.hull.commit(start);
+        // Only now: had the part been refused, the hull and with it the old planes would hold on.
         for (at, guarded) in renewed {
             self.endangered[at] = guarded;
         }
@@ -202,6 +205,7 @@ pub(super) fn cheapest_group(front: &mut Front, offsets: &[[i32; 3]]) -> Result<
     front.hull.rollback(start);
     let guarded = guard(front, &in_danger.shadowed);
     let mut cheapest = (usize::MAX, Vec::new());
+    // No group can shadow what all of them together do not.
     for group in groups(&blocked, &front.proposed, offsets) {
         let start = front.hull.checkpoint();
         front.insert(&group)?;
@@ -226,6 +230,7 @@ fn split(front: &Front, part: &mut [u32]) -> usize {
     let axes = spread.symmetric_eigen();
     let axis = axes.eigenvectors.column(axes.eigenvalues.imax());
     let beyond = |cell: u32| (Vector3::from(front.centre(cell).map(f64::from)) - mean).dot(&axis) > 0.0;
+    // Stable, so that both halves stay in the order of numbers.
     part.sort_by_key(|&cell| beyond(cell));
     let middle = part.partition_point(|&cell| !beyond(cell));
     if (1..part.len()).contains(&middle) { middle } else { part.len() / 2 }
@@ -251,6 +256,7 @@ pub(super) fn fewer_than(
     let threshold = threshold.unwrap_or(shadowed_by_all);
     let outer = front.hull.checkpoint();
     let mut untested: Vec<u32> = front.waiting.iter().collect();
+    // From here on candidates count among the untested until it is their turn: one that is kept may shadow them.
     let mut kept = Vec::new();
     for &cell in candidates.iter() {
         let start = front.hull.checkpoint();

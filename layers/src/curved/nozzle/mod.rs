@@ -175,9 +175,12 @@ impl Job<'_> {
             let Removal { sheets, rest: built, stuck, .. } = removal;
             let offsets = rules.neighbours.offsets();
             let mut assembly = Assembly { built, missed: missed.clone(), layers: Vec::new(), offsets };
+            // Put together in the reverse order, each cell finds what was left when it came off, or less: so the nozzle that reached it
+            // then reaches it now.
             sheets.into_iter().rev().for_each(|sheet| assembly.add(sheet));
             assembly.add_last_chances();
             let left = assembly.missed.count();
+            // Without what was stuck the rest may come off in another order; where that gains nothing, no further try does.
             let gains = best.as_ref().is_none_or(|best| left < best.missed.count());
             if gains {
                 best = Some(assembly);
@@ -222,7 +225,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// Builds what is left as far as it can be reached past all the rest. What cannot be now cannot be later.
+    /// Builds what is left and can be reached past all the rest. What cannot be reached now cannot be reached later.
     fn add_last_chances(&mut self) {
         let mut waiting = self.missed.clone();
         loop {

@@ -51,6 +51,7 @@ impl Obstacles {
             }
         }
         around.retain(|offset| *offset != [0; 3]);
+        // Stable, so that of equally near ones the order is the same each time.
         around.sort_by_key(|offset| offset.iter().map(|k| k * k).sum::<i32>());
         let hit = |offset: &[i32; 3], direction| is_hit(&shape, direction, Vector3::from(offset.map(f64::from)));
         let near =
@@ -88,6 +89,7 @@ impl Obstacles {
         }
         let brick = &mut self.bricks[*place as usize];
         let [x, y, z] = [0, 1, 2].map(|axis| position[axis] - brick.low[axis]);
+        // `set` says whether the cell is there; both change together.
         brick.bits[z as usize] ^= 1 << (x + BRICK * y);
     }
 
@@ -147,6 +149,7 @@ impl Obstacles {
     pub(crate) fn hits<'a>(&'a self, cell: u32, direction: &'a UnitVector3<f64>) -> impl Iterator<Item = u32> + 'a {
         let [nx, ny, _] = self.set.dims();
         let centre = Vector3::from(self.position(cell).map(f64::from));
+        // Half the diagonal between the centres of a brick's corner cells: no cell of it is farther from its middle.
         let reach = f64::from(BRICK - 1) / 2.0 * 3f64.sqrt() + self.shape.margin;
         let is_near = move |brick: &&Brick| clearance(&self.shape, direction, brick.middle - centre) <= reach;
         let cells_of = move |brick: &'a Brick| {

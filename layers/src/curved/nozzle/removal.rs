@@ -21,7 +21,7 @@ const AT_A_TIME: usize = 64;
 /// A cell and the number of the direction in which it is printed; none where the hull rule suffices.
 pub(super) type Printed = (u32, Option<usize>);
 
-/// For each direction a cell that is in the way there, as far as known.
+/// For each direction a cell that is in the way there, if one is known.
 type Hits = Box<[u32; DIRECTIONS]>;
 
 /// A removal under way.
@@ -74,6 +74,7 @@ impl<'a> Removal<'a> {
         let pieces = Runs::new(&core, self.rules.neighbours);
         let standing = pieces.with(self.base);
         let mut kept: Vec<u32> = Vec::new();
+        // What is left must hang together with the base: some that could come off has to hold the rest for now.
         if standing.contains(&false) {
             let links = Links::new(&core, &pieces, &standing, &cells, self.rules.neighbours.offsets());
             kept = links.all().collect();
@@ -104,6 +105,7 @@ impl<'a> Removal<'a> {
         let in_skin = |&cell: &u32| self.rest.set().around(cell, &FACES).count() < FACES.len();
         let skin: Vec<u32> = self.to_remove.iter().filter(in_skin).filter(|&cell| !is_extreme(cell)).collect();
         let (rest, hits) = (&self.rest, &self.hits);
+        // What was in the way of a cell before is asked first: mostly it still is.
         let look = |k: usize| {
             let known = hits.get(&skin[k]).cloned();
             let mut known = known.unwrap_or_else(|| Box::new([NONE; DIRECTIONS]));
@@ -144,6 +146,7 @@ impl<'a> Removal<'a> {
         lost.iter().for_each(|&cell| self.take_out(cell));
         self.stuck.extend(lost);
         let joined = joined(self.rest.set(), self.base, self.rules.neighbours);
+        // What hung on it alone cannot be built either.
         let loose: Vec<u32> = self.to_remove.iter().filter(|&cell| !joined.contains(cell)).collect();
         loose.into_iter().for_each(|cell| self.take_out(cell));
     }
@@ -155,6 +158,7 @@ fn free_direction(rest: &Obstacles, cell: u32, hits: &mut [u32; DIRECTIONS]) -> 
         if !rest.clears_plate(cell, direction) {
             return false;
         }
+        // A cell that is still there is in the way whatever else was removed.
         let known = hits[direction];
         if known != NONE && rest.contains(known) {
             return false;

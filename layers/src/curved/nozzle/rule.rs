@@ -12,6 +12,10 @@ const MAX_LENGTH: f64 = 1e4;
 /// Lengths that differ by less, in cells, are one.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+/// Diameter of the flat tip by default, in millimetres: twice an orifice of 0.4 mm. Beads of this orifice, 0.4 to 0.6 mm wide, stay under
+/// the flat; under a narrower flat they bulge out beside it, and a wider one touches more of what stands beside the bead.
+const TIP_FLAT_MM: f64 = 0.8;
+
 /// The nozzle that is there: which cells it reaches, judged by its shape.
 ///
 /// The shape is a body of revolution: a flat tip, a cone that widens from it, and a block on top that has no upper end. What
@@ -19,7 +23,7 @@ pub(super) const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct NozzleRule {
-    /// Diameter of the tip flat in millimetres. Default 1.
+    /// Diameter of the tip flat in millimetres. Default 0.8, twice an orifice of 0.4 mm.
     pub tip_flat_mm: f64,
     /// Between the axis and the side of the cone, in radians. Default 45 degrees.
     pub half_angle: f64,
@@ -38,7 +42,7 @@ pub struct NozzleRule {
 impl Default for NozzleRule {
     fn default() -> Self {
         NozzleRule {
-            tip_flat_mm: 1.0,
+            tip_flat_mm: TIP_FLAT_MM,
             half_angle: FRAC_PI_4,
             cone_height_mm: 8.0,
             block_mm: 20.0,

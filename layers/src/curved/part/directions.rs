@@ -18,14 +18,14 @@ const LEVEL: f64 = -0.9986;
 /// How much upright counts beside a neighbour: directions go back to upright within some 30 cells, more than most parts are thick.
 const UPRIGHT: f64 = 0.001;
 
-/// A direction that no skin holds goes so many times as far as to the mean (over-relaxation).
+/// A direction that no skin holds goes this many times the way to the mean (over-relaxation).
 const OVER: f64 = 1.8;
 
 /// Times that each cell is looked at, at most, and how little has to change, in radians, before no more are needed.
 const SWEEPS: usize = 300;
 const TURNED: f64 = 1e-3;
 
-/// A direction shorter than this is none: that of the mean of directions that cancel out.
+/// A mean shorter than this has no direction: the directions in it cancel out.
 const SHORTEST: f64 = 1e-9;
 
 /// A direction in which the part is to grow at a place.
@@ -128,7 +128,7 @@ impl Workpiece<'_> {
     ///
     /// ShellFinder hangs over by the angle that its normal dips below the plane across the direction of growth: a wall along the direction by 0. What hangs over most in a cell decides, at places no
     /// farther apart than half a cell; level undersides look to no side, and turn nothing. Directions change as little as they can from cell to cell: each is the mean of its face neighbours', drawn upright a
-    /// little, and turned towards the normal of its skin as far as that needs (projected relaxation, 300 rounds at most).
+    /// little, and turned towards the normal of its skin by what that needs (projected relaxation, 300 rounds at most).
     ///
     /// # Arguments
     /// * `max_overhang`: in radians, above 0 and below a right angle. Beads hold on each other up to about 45 degrees.

@@ -12,6 +12,6 @@ pub struct Guides<'a> {
     /// ([`LayersBy::Distance`](crate::curved::LayersBy::Distance)) are parallel to it. None: they follow the distance from what the part stands on.
     pub heights: Option<&'a [f64]>,
     /// A direction for each cell of the grid, by its number ([`Workpiece::directions_at`](crate::curved::Workpiece::directions_at)), of length 0 where there is none: a directed order
-    /// ([`LayersBy::Directed`](crate::curved::LayersBy::Directed)) follows them, as far as layers may lean. None: it follows the distance from what the part stands on.
+    /// ([`LayersBy::Directed`](crate::curved::LayersBy::Directed)) follows them up to the lean that layers may have. `None`: it follows the distance from what the part stands on.
     pub directions: Option<&'a [Vector3<f64>]>,
 }

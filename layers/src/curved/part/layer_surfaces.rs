@@ -7,7 +7,7 @@ use nalgebra::Point3;
 
 /// A layer counts as evenly thick where a bead is this many times as thick as the layer height, from and to: what
 /// extrusion can make up for.
-pub const EVEN_THICKNESS: [f64; 2] = [0.5, 1.5];
+const EVEN_THICKNESS: [f64; 2] = [0.5, 1.5];
 
 /// The surfaces of a part's layers, first to last.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl LayerSurfaces {
         self.sheets.iter().map(pieces).sum()
     }
 
-    /// Share of the area of all surfaces where a bead is within [`EVEN_THICKNESS`] times the layer height thick; 0 without any area.
+    /// Share of the area of all surfaces where a bead is 0.5 to 1.5 times as thick as the layer height, which extrusion can make up for; 0 without any area.
     ///
     /// # Example
     /// ```

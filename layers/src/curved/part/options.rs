@@ -25,7 +25,7 @@ pub enum LayersBy {
     /// By convex hulls, which let a nozzle of any size pass; what they miss is built by the nozzle that prints.
     #[default]
     Hull,
-    /// By the [distance](crate::curved::distance_field) from what the part stands on, as far as the nozzle that prints reaches.
+    /// By the [distance](crate::curved::distance_field) from what the part stands on, of the cells that the nozzle that prints reaches.
     Distance,
     /// By a field that follows the distance, but leans no more than the nozzle's cone allows ([`grow_directed`](crate::curved::grow_directed)).
     Directed,

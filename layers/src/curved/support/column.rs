@@ -82,6 +82,7 @@ impl Ground<'_> {
             for (&cell, &(aside, _)) in levels.last()? {
                 for (k, &step) in DOWN.iter().enumerate() {
                     let Some(below) = self.step(cell, step).filter(|&below| !self.is_of_part(below)) else { continue };
+                    // Fewest steps aside, then the lowest number: the same column each time.
                     let way = (aside + u32::from(k > 0), cell);
                     next.entry(below).and_modify(|known| *known = way.min(*known)).or_insert(way);
                 }
@@ -89,6 +90,7 @@ impl Ground<'_> {
             if next.is_empty() {
                 return None;
             }
+            // All columns of this length at once, so the first level that lands has the shortest.
             let landed =
                 next.iter().filter(|&(&cell, _)| self.lands(cell)).min_by_key(|&(&cell, &(aside, _))| (aside, cell));
             let end = landed.map(|(&cell, _)| cell);

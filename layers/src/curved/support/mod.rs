@@ -213,9 +213,11 @@ pub fn add_support(
     let straight_cells = straight_columns(cells, &missed) + outside;
     let none = || CellSet::none(cells);
     let mut columns = Columns { support: none(), gap: none(), contact: none() };
+    // A round must miss fewer cells than the order without support, or the round is not worth its support.
     let mut fewest = missed_bound(missed.len(), given);
     let mut best: Option<Supported> = None;
     let mut why_not = NoSupport::Forbidden;
+    // Columns of earlier rounds stay: each round adds to them below what is still missed.
     for round in 1..=options.rounds {
         let (done, total) = (u64::from(round - 1), u64::from(options.rounds));
         if progress(Progress { stage: "support", done, total }).is_break() {
@@ -231,6 +233,7 @@ pub fn add_support(
         why_not = NoSupport::NoHelp;
         let of_round = grown(cells, &columns.support, grow)?;
         missed = of_round.missed_cells();
+        // Support that is missed itself needs no support: it is left out in the end.
         missed.retain(|&cell| cells.contains(cells.position(cell)));
         if missed.len() < fewest {
             fewest = missed.len();
@@ -264,6 +267,7 @@ impl Supported {
             let mut beside = Neighbours::FaceOrEdge.offsets().iter().filter_map(|&step| moved(cells, cell, step));
             beside.any(|beside| support.binary_search(&beside).is_ok())
         };
+        // Without support beside it the part does not end at this cell any more, unless that one stands on the plate.
         let is_left = |cell: u32| !is_less || cells.position(cell)[2] == 0 || is_beside(cell);
         contact.retain(|&cell| is_built(growth, cell) && is_left(cell));
         is_less
@@ -281,6 +285,7 @@ fn of_part(cells: &Cells, growth: Growth, columns: &Columns, straight_cells: usi
     let mut supported = Supported { rows: Vec::new(), growth, support, gap, contact, straight_cells, rounds };
     supported.remove_missed(cells);
     if supported.support.is_empty() {
+        // A column that is gap alone would hold nothing: it is printed.
         std::mem::swap(&mut supported.gap, &mut supported.support);
     }
     supported
@@ -352,6 +357,7 @@ impl Columns {
             let hanging = of_region.iter().copied().filter(|&cell| hangs(&ground, cell)).collect();
             let hanging = middle_first(cells, hanging);
             let below = |cell: u32| Some((cell, ground.column_below(cell)?));
+            // The first of them that has a way down: one column a region and round, since more may follow from what is then still missed.
             let Some((top, column)) = hanging.into_iter().find_map(below) else { continue };
             let levels = thick_enough(&ground, &column, options, straight_columns(cells, &of_region) / 2);
             is_new |= self.add(&mut ground, (top, &column), levels, options);
@@ -371,10 +377,12 @@ impl Columns {
         let gap = options.gap as usize;
         let end = column.last().copied().filter(|&end| ground.lands_on_part(end));
         let bottom = end.map_or(0, |_| gap);
+        // A column shorter than its gaps is printed whole: a gap alone would hold nothing.
         let printed = if gap + bottom < levels.len() { gap..levels.len() - bottom } else { 0..levels.len() };
         for (level, cells) in levels.into_iter().enumerate() {
             for cell in cells {
                 is_new |= ground.support.insert(cell);
+                // Where columns overlap, a cell that one of them prints is printed.
                 if printed.contains(&level) {
                     self.gap.remove(cell);
                 } else if !self.support.contains(cell) {
@@ -417,6 +425,7 @@ fn thick_enough(ground: &Ground, column: &[u32], options: &SupportOptions, most:
     let mut width = options.width;
     loop {
         let levels = thickened(ground, column, &SupportOptions { width, ..*options });
+        // No thicker than half of what straight columns below the region would take.
         if width == options.contact || levels.iter().map(Vec::len).sum::<usize>() <= most {
             return levels;
         }

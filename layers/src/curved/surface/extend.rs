@@ -43,7 +43,7 @@ impl ExtendedField {
         self.highest
     }
 
-    /// Pairs of cells with a common face that is cut ([`JUMP`]): no surface runs across.
+    /// Pairs of cells with a common face that is cut, since the front waited on one side: no surface runs across.
     pub fn jumps(&self) -> usize {
         self.jumps
     }

@@ -1,4 +1,4 @@
-//! Half layers: one more surface between two layers, as far as they are too far apart.
+//! Half layers: one more surface between two layers where they are too far apart.
 //!
 //! Where two fronts meet at an angle, a smooth field rises slowly: where it rises by `s` layers over the thickness of one, surfaces are `1 / s` layer heights apart.
 //! A bead is laid on what is below it, so half way between two such layers there is one more, in the places where it is needed.

@@ -9,11 +9,11 @@ pub(super) const ROOM: u32 = 3;
 /// between them then, so the front waited on one side, and surfaces drawn between the two would be squeezed. Where a front
 /// moves a cell a layer, neighbours are in the same layer or in the next, whichever way it faces. In the rings around the
 /// part values themselves are compared.
-pub const JUMP: f64 = 2.0;
+pub(crate) const JUMP: f64 = 2.0;
 
 /// Cells with a whole layer between them may have values no farther apart than those of a front that is a little slow. From
 /// here on, in layers, they count as torn: less makes more cuts and gaps beside them, more makes layers thinner there.
-pub const APART: f64 = 1.4;
+const APART: f64 = 1.4;
 
 /// Cells with a value below this stand on the plate.
 const FIRST_LAYER: f64 = 1.0;

@@ -14,8 +14,8 @@
 //! ([`write_field_vtk`], [`write_surfaces_vtk`]).
 //!
 //! # Waits
-//! Where a front had to wait for another one, the layers of the cells on both sides of a face differ by [`JUMP`] or more.
-//! Where their values are [`APART`] as well, such a face is cut: a surface goes on to it from either side, and none runs across,
+//! Where a front had to wait for another one, the layers of the cells on both sides of a face differ by 2 or more.
+//! Where their values are 1.4 layers apart as well, such a face is cut: a surface goes on to it from either side, and none runs across,
 //! so that surfaces are not squeezed into one cell.
 
 mod coherent;
@@ -42,11 +42,11 @@ pub use contour::{ContourError, Surface, VertexPlacement, contour, contour_with}
 pub use extend::{ExtendedField, extend};
 pub use field::{FieldError, LayerField};
 pub use fit::FittedLevels;
-pub use lattice::{APART, JUMP};
+pub(crate) use lattice::JUMP;
 pub use nozzle::uniform_field_with_nozzle;
 pub use plain::plain_field;
 pub use smooth::BorderSmoothing;
-pub use spacing::{HISTOGRAM_END, SQUEEZED, Spacing, SpacingError, measure_spacing, measure_spacing_within};
+pub use spacing::{Spacing, SpacingError, measure_spacing, measure_spacing_within};
 pub use store::{OtherCells, OtherMesh, PrintAids, ReadFieldError, SavedField, mesh_stamp};
 pub use uniform::{LAGS, UniformError, UniformField, UniformMethod, uniform_field};
 pub use vtk::{write_field_vtk, write_surfaces_vtk};

@@ -39,7 +39,7 @@ const SHARE: f64 = 0.8;
 /// Values have settled when they move by less than this in a sweep, in the mean, in layers.
 const SETTLED: f64 = 5e-4;
 
-/// The field with a slope of 1 as far as its layers allow.
+/// The field with a slope of 1 where its layers allow it.
 ///
 /// Values stay in their steps, and the slope is that of a layer in its thickness.
 pub(super) fn evened(field: LayerField) -> LayerField {
@@ -58,7 +58,7 @@ pub(super) fn relax(lattice: &mut Lattice, nodes: &[usize], sweeps: usize) {
     sweep(lattice, nodes, [1.0, SETTLED], sweeps, |_, _, _, foretold| foretold.max(0.0));
 }
 
-/// `sweeps` in which each of some nodes goes a [`SHARE`] of the way to what its joined neighbours foretell, as far as `allowed` lets it; until they
+/// `sweeps` in which each of some nodes goes a [`SHARE`] of the way to what its joined neighbours foretell, within what `allowed` permits; until they
 /// move by less than `settled` in the mean.
 fn sweep(
     lattice: &mut Lattice,

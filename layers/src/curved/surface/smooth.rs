@@ -23,7 +23,7 @@ const TURN: f64 = 0.5;
 /// Least altitude of a triangle at a vertex that moves, in cells, unless it was less before.
 const FLAT: f64 = 0.05;
 
-/// Moves below this, in cells, are none: rounding moves no straight border.
+/// Moves below this, in cells, count as none, so that rounding does not move a straight border.
 const STILL: f64 = 1e-9;
 
 /// What stands for no vertex.

@@ -42,13 +42,13 @@ const ALONG: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const SHORT: f64 = 1.3;
 
 /// Surfaces nearer to each other than this, in layer heights, are squeezed: no nozzle lays so thin a layer.
-pub const SQUEEZED: f64 = 0.3;
+const SQUEEZED: f64 = 0.3;
 
 /// Bars of the histogram, over 0 to [`HISTOGRAM_END`] layer heights.
 const BARS: usize = 60;
 
 /// Where the histogram ends, in layer heights.
-pub const HISTOGRAM_END: f64 = 3.0;
+const HISTOGRAM_END: f64 = 3.0;
 
 /// How far apart surfaces lie.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -67,7 +67,7 @@ pub struct Spacing {
     pub p05_mm: f64,
     /// A twentieth of the area has more spacing.
     pub p95_mm: f64,
-    /// Area in square millimetres by spacing: bars of equal width over 0 to [`HISTOGRAM_END`] layer heights.
+    /// Area in square millimetres by spacing: bars of equal width over 0 to 3 layer heights.
     pub histogram_mm2: Vec<f64>,
     /// Width of a bar.
     pub bar_mm: f64,
@@ -75,7 +75,7 @@ pub struct Spacing {
     pub area_mm2: f64,
     /// Area where a neighbour is in reach.
     pub measured_mm2: f64,
-    /// Share of the area that has another surface, whichever, within [`SQUEEZED`] layer heights along its normal.
+    /// Share of the area that has another surface, whichever, within 0.3 layer heights along its normal: no nozzle lays so thin a layer.
     pub squeezed_share: f64,
     /// Area by the thickness of the layer there, summed up.
     pub volume_mm3: f64,

@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn pairs_along_each_axis_count_and_rows_do_not_wrap() {
-        // By layer of the grid: 0 9 / 1 9 below 3 9 / 1 9. The pairs 9, 1 and 9, 3 across the ends of rows are none.
+        // By layer of the grid: 0 9 / 1 9 below 3 9 / 1 9. The pairs 9, 1 and 9, 3 across the ends of rows do not count.
         let values = vec![0.0, 9.0, 1.0, 9.0, 3.0, 9.0, 1.0, 9.0];
         let cells = Cells::new([2, 2, 2], &[0b11; 4]).unwrap();
         let field = LayerField::new(&cells, values, 1.0).unwrap();

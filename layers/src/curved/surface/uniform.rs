@@ -37,7 +37,7 @@ pub struct UniformField {
     pub method: UniformMethod,
     /// The audit of its layers, which passed.
     pub audit: AuditReport,
-    /// Pairs of cells with a common face that is cut ([`JUMP`](super::JUMP)): no surface will run across.
+    /// Pairs of cells with a common face that is cut, since the front waited on one side: no surface will run across.
     pub jumps: usize,
 }
 
@@ -52,7 +52,7 @@ pub enum UniformMethod {
         /// Whether level fronts stayed level where the part gets wider.
         stays_level: bool,
     },
-    /// Smoothed as far as the part allows ([`coherent_field`](super::coherent_field)).
+    /// Smoothed within what the part allows ([`coherent_field`](super::coherent_field)).
     Coherent,
     /// By the distance from the plate or a mould ([`distance_layers`](crate::curved::distance_layers)).
     Distance,

@@ -46,10 +46,12 @@ impl Detour {
         for cell in cells.iter() {
             let p = centres.of(cell);
             let shadows = |cone: &&Vec<Plane>| cone.iter().all(|plane| dot(plane.normal, p) >= plane.offset);
+            // More than one sample in `strictness`. A chain over this cell would shadow that much of the piece before it is built.
             if strictness * cones.iter().filter(shadows).count() > samples {
                 banned.insert(cell);
             }
         }
+        // The piece may stand on itself.
         banned.remove_all(piece.iter().copied());
         Ok(Detour { piece, banned, strictness })
     }

@@ -63,6 +63,8 @@ impl<'a> Extremes<'a> {
             }
             for cell in face.corners.iter().filter_map(|&corner| self.centres.cell_at(corner)) {
                 if rest.contains(cell) {
+                    // The sum of the normals of faces at a corner points strictly out of the hull there: the plane across it touches in
+                    // the corner alone.
                     let sum = corners.entry(cell).or_insert([0; 3]);
                     (0..3).for_each(|axis| sum[axis] += face.normal[axis]);
                 }
@@ -76,6 +78,7 @@ impl<'a> Extremes<'a> {
         match self.corners.get(&cell) {
             Some(&normal) => Proof { normal, margin: 0 },
             None => {
+                // Reduced, so that equal planes are equal numbers: cells with one normal share a plane.
                 let plane = self.hull.witness(self.centres.of(cell), &mut self.hint);
                 let plane = plane.unwrap_or_else(|| unreachable!("cell {cell} lies in the skin")).reduced();
                 Proof { normal: plane.normal, margin: plane.margin() }

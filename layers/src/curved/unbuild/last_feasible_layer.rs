@@ -45,6 +45,7 @@ pub(super) fn last_chances(
     let mut watch = AccessibilityTracker::new(platform.top(), depth);
     // The mould of the platform, which is in the hull already, comes before the first layer.
     for (number, layer) in (0..).zip(iter::once(&[][..]).chain(order.iter())) {
+        // The hull has all earlier layers and this one: what is inside now could be built in this layer at the latest.
         let start = hull.checkpoint();
         centres.insert(layer, &mut hull)?;
         let added = if number == 0 { points_of_mould(platform, rules) } else { hull.added_since(&start).to_vec() };
@@ -54,6 +55,7 @@ pub(super) fn last_chances(
         for cell in endangered.into_iter().map(|endangered| endangered.cell) {
             match hull.witness(centres.of(cell), &mut hint) {
                 Some(proof) => watch.add(cell, centres.of(cell), &proof),
+                // Once inside, always inside: hulls only grow.
                 None => {
                     asked.remove(cell);
                     chances.cells.binary_search(&cell).into_iter().for_each(|at| chances.last[at] = number);

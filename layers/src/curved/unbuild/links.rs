@@ -65,11 +65,14 @@ impl Links {
             }
         }
         while let Some(Reverse((length, at))) = queue.pop() {
+            // Entries that were found to be shorter ways later are passed over.
             let Some(way) = ways[at].filter(|way| way.length == length) else { continue };
             for &piece in &touches[at] {
                 if !standing[piece] && links.ties[piece].is_none() {
                     let steps = std::iter::successors(Some(at), |&step| ways[step].and_then(|way| way.before));
                     let chain: Vec<u32> = steps.map(|step| extreme[step]).collect();
+                    // Lengths come by rising number, so the first chain to a piece is its shortest. From there on the piece counts as
+                    // tied, and ways begin at it anew.
                     links.ties[piece] = Some(Tie { chain, to: way.from });
                     links.tied.push(piece);
                     for &next in &around[piece] {
@@ -78,6 +81,7 @@ impl Links {
                 }
             }
             for next in among.around(extreme[at], offsets) {
+                // `extreme` is sorted, and has this cell.
                 let next = extreme.partition_point(|&cell| cell < next);
                 reach(next, Way { length: length + 1, before: Some(at), from: way.from }, &mut ways, &mut queue);
             }
@@ -99,6 +103,7 @@ impl Links {
     /// The piece that would take the fewest cells along if it came loose, as a flag for each piece: it and all that hang on it.
     /// `sizes` are those of the pieces. None if no piece is tied.
     pub(super) fn cheapest(&self, mut sizes: Vec<usize>) -> Option<Vec<bool>> {
+        // In the reverse order of tying: what hangs on a piece has its full size before it is added to what that hangs on.
         for &piece in self.tied.iter().rev() {
             if let Some(tie) = &self.ties[piece] {
                 sizes[tie.to] += sizes[piece];
@@ -107,6 +112,7 @@ impl Links {
         let cheapest = *self.tied.iter().min_by_key(|&&piece| (sizes[piece], piece))?;
         let mut loose = vec![false; self.ties.len()];
         loose[cheapest] = true;
+        // In the order of tying: what a piece hangs on is decided before it.
         for &piece in &self.tied {
             loose[piece] |= self.ties[piece].as_ref().is_some_and(|tie| loose[tie.to]);
         }

@@ -124,6 +124,7 @@ impl Job<'_> {
         let Job { cells, platform, rules, feet } = self;
         let total = cells.count();
         let mut solid = CellSet::of(cells);
+        // What lies inside the hull of the platform from the start is never built, and must carry nothing.
         solid.remove_all(buried(cells, platform, rules)?);
         let mut detours: Vec<Detour> = Vec::new();
         let mut best = (LayerOrder::new(), GrowthStatistics::default());
@@ -135,6 +136,7 @@ impl Job<'_> {
             let largest = removal.pieces.iter().max_by_key(|piece| piece.len()).cloned();
             let order = schedule(cells, feet, removal, platform, rules, &|built| report("grow", built))?;
             let order = order.ok_or(GrowthError::Cancelled)?;
+            // A later removal may lose more: the first of the best ones counts.
             if order.cells().len() > best.0.cells().len() {
                 best = (order, GrowthStatistics { sacrifices, ..best.1 });
             }
@@ -157,6 +159,7 @@ impl Job<'_> {
         detours: &mut Vec<Detour>,
     ) -> Result<(), GrowthError> {
         let mut strictness = Detour::FIRST;
+        // Detours that share cells with the piece did not help it: they become one, stricter than each.
         detours.retain(|detour| match detour.stricter(&piece) {
             Some(stricter) => {
                 strictness = strictness.max(stricter);
@@ -173,6 +176,7 @@ impl Job<'_> {
         open.subtract(&detour.banned);
         feet.iter().for_each(|&foot| _ = open.insert(foot));
         let reached = joined(&open, feet, rules.neighbours);
+        // A detour that leaves no way at all, or that is as strict as can be, is no wish any more: the piece is given up.
         if strictness <= Detour::LAST && detour.piece.iter().any(|&cell| reached.contains(cell)) {
             detours.push(detour);
         } else {

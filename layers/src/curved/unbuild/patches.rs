@@ -33,6 +33,7 @@ pub(super) fn put_off(
     };
     // What comes into each layer from earlier ones.
     let mut added: Vec<Vec<u32>> = vec![Vec::new(); order.len()];
+    // Layer by layer, so that what came into a layer from earlier ones is put off again with what it has met there.
     for at in 1..order.len() {
         let number = at as u32 + 1;
         let mut seeds = std::mem::take(&mut small[at]);
@@ -112,6 +113,7 @@ impl Plan<'_> {
                 patches.push(patch);
             }
         }
+        // The set is as large as the grid: it is emptied cell by cell and used again.
         patches.iter().flatten().for_each(|&cell| self.seen.remove(cell));
         patches
     }
@@ -136,12 +138,14 @@ impl Plan<'_> {
 
     /// The first layer after `number` in which the patch touches another one, if it can wait that long.
     fn better_layer(&self, patch: &[u32], number: u32) -> Option<u32> {
+        // As late as every cell of it can be built without lying inside the hull.
         let mut last = patch.iter().map(|&cell| self.chances.of(cell)).min()?;
         let mut better = None;
         for &cell in patch {
             for (next, layer) in self.layers_around(cell).filter(|&(_, layer)| layer > number) {
                 better = Some(better.map_or(layer, |known: u32| known.min(layer)));
                 let mut supports = self.layers_around(next).filter(|&(_, below)| below != 0 && below < layer);
+                // Nothing else carries that neighbour in its layer: the patch must be there before.
                 if supports.all(|(support, _)| patch.contains(&support)) {
                     last = last.min(layer - 1);
                 }

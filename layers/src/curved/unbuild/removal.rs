@@ -79,6 +79,7 @@ impl Removal {
         let mut state = State { rules, feet, solid, rest, detours, removal, sheet: 0 };
         let mut extremes = Extremes::new(cells, platform, rules)?;
         let mut left = state.rest.count();
+        // Each sheet takes off cells, gives up some, or drops the detours, which happens once: so this ends.
         while left > feet.len() {
             if progress(left).is_break() {
                 return Ok(None);
@@ -93,10 +94,13 @@ impl Removal {
 impl State<'_> {
     fn take_off_a_sheet(&mut self, extremes: &mut Extremes) -> Result<(), GrowthError> {
         let mut extreme = extremes.find(&self.rest)?;
+        // Feet stay to the last: all that is left must hang on them.
         extreme.retain(|cell| self.feet.binary_search(cell).is_err());
         self.sheet += 1;
         let mut of_normal: HashMap<[i64; 3], u32> = HashMap::new(); // looked up, never walked through
         for &cell in &extreme {
+            // The proof of the first time is kept: its plane has all that is left by then below it, so more cells may be built before this
+            // one than with a later plane.
             if self.removal.plane_of[cell as usize] == NONE {
                 let proof = extremes.proof(cell);
                 let planes = &mut self.removal.planes;
@@ -110,12 +114,14 @@ impl State<'_> {
         core.remove_all(extreme.iter().copied());
         let pieces = Runs::new(&core, self.rules.neighbours);
         let standing = pieces.with(self.feet);
+        // Only what is not extreme must not lose its hold now. Extreme cells that stay come off with a later sheet.
         let floating = standing.contains(&false);
         let links = floating.then(|| Links::new(&core, &pieces, &standing, &extreme, self.rules.neighbours.offsets()));
         let mut kept: Vec<u32> = links.iter().flat_map(Links::all).collect();
         kept.extend(self.detours.iter().flat_map(|detour| self.kept_for(detour, &core, &extreme)));
         kept.sort_unstable();
         kept.dedup();
+        // At least one cell comes off.
         if kept.len() < extreme.len() {
             extreme.retain(|cell| kept.binary_search(cell).is_err());
             for cell in extreme {
@@ -123,6 +129,7 @@ impl State<'_> {
                 self.removal.ranks[cell as usize] = self.sheet;
             }
         } else if !self.detours.is_empty() {
+            // Detours are wishes: where they leave nothing to take off they are dropped for the rest of the removal.
             self.detours.clear();
         } else {
             // With nothing extreme all that is left lies inside the hull of the platform and its feet.
@@ -158,10 +165,12 @@ impl State<'_> {
         let before = self.rest.clone();
         self.rest.remove_all(pieces.cells(|piece| loose[piece]));
         self.feet.iter().for_each(|&foot| _ = self.rest.insert(foot));
+        // What hung on the pieces alone goes with them.
         self.rest = joined(&self.rest, self.feet, self.rules.neighbours);
         let mut lost = before;
         lost.subtract(&self.rest);
         let lost: Vec<u32> = lost.iter().collect();
+        // Planes hold for cells that come off in their turn; these never do.
         lost.iter().for_each(|&cell| self.removal.plane_of[cell as usize] = NONE);
         self.removal.pieces.push(lost);
     }
@@ -170,6 +179,7 @@ impl State<'_> {
     fn finish(mut self) -> Removal {
         let last = self.sheet + 1;
         let ranks = &mut self.removal.ranks;
+        // The last sheet is the first to be built: rank 1, above the feet with 0.
         ranks.iter_mut().filter(|rank| **rank != NONE).for_each(|rank| *rank = last - *rank);
         self.removal.planes.iter_mut().for_each(|plane| plane.bound = last - plane.bound);
         self.feet.iter().for_each(|&foot| ranks[foot as usize] = 0);
@@ -187,6 +197,7 @@ impl State<'_> {
         let mut waiting = self.solid.clone();
         waiting.remove_all(self.feet.iter().copied());
         let mut reached: BinaryHeap<Reverse<(u32, u32)>> = self.feet.iter().map(|&foot| Reverse((0, foot))).collect();
+        // By rising rank, as the front will come: a cell is reached if a neighbour of no higher rank is.
         while let Some(Reverse((rank, cell))) = reached.pop() {
             let above = |next: &u32| (rank..NONE).contains(&ranks[*next as usize]);
             for next in waiting.around(cell, self.rules.neighbours.offsets()).filter(above).collect::<Vec<_>>() {

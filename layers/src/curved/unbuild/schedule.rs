@@ -1,7 +1,7 @@
 //! Building in the reverse order, as many cells at a time as their proofs allow.
 //!
 //! A candidate is built unless it lies above the plane of a cell that still waits. Only planes whose bound is below its
-//! rank can be in its way, and their cells have lower ranks than it; so nobody waits in a circle, and every cell that has
+//! rank can be in its way, and their cells have lower ranks than it; so no cells wait for each other in a circle, and every cell that has
 //! a rank is built. No hull is asked.
 //!
 //! Cells that were given up have no proof of their own. They are built where the front happens to leave them accessible, and
@@ -80,6 +80,7 @@ pub(super) fn schedule(
             schedule.centres.insert(&layer, &mut front.hull)?;
         }
         let mut candidates: Vec<Candidate> = Vec::new();
+        // A cell is a candidate once: then it is built, or parked at a guard that lets it go when it may pass.
         for &cell in &layer {
             for next in schedule.waiting.around(cell, offsets).filter(|&next| reached.insert(next)) {
                 candidates.push((next, schedule.guards_before(next)));
@@ -90,6 +91,7 @@ pub(super) fn schedule(
             return Ok(None);
         }
         layer = schedule.choose(candidates, front.as_mut());
+        // All else is built: what hangs on given-up cells alone must not hold the rest up any longer.
         if layer.is_empty() && !shaky.is_empty() {
             let candidates = schedule.stop_waiting_for(std::mem::take(&mut shaky));
             layer = schedule.choose(candidates, front.as_mut());
@@ -115,6 +117,7 @@ impl Schedule {
     fn new(cells: &Cells, removal: Removal, rules: &Rules) -> Self {
         let centres = Centres::new(cells, rules);
         let mut by_bound: Vec<usize> = (0..removal.planes.len()).collect();
+        // Guards by rising bound: those that can be in the way of a rank are the first ones.
         by_bound.sort_by_key(|&plane| removal.planes[plane].bound);
         let mut guard_of = vec![0; by_bound.len()];
         by_bound.iter().enumerate().for_each(|(guard, &plane)| guard_of[plane] = guard);
@@ -148,6 +151,7 @@ impl Schedule {
     /// The last of the first `before` guards that keeps a cell at `p` from being built.
     fn guard_against(&self, p: [i32; 3], before: usize) -> Option<usize> {
         let walls = self.walls.get(self.first..before)?;
+        // The last guard in the way lets go the latest, most of the time: so a candidate is parked few times.
         let against = walls.iter().rposition(|wall| dot(wall.normal, p) >= wall.limit)?;
         Some(self.first + against)
     }
@@ -198,6 +202,7 @@ impl Schedule {
         let at = self.guard_of[plane as usize];
         let guard = &mut self.guards[at];
         let relies = |cell: u32| self.waiting.contains(cell) && self.plane_of[cell as usize] == plane;
+        // The lowest cells are last. Those that are built or lost their rank no longer count.
         while guard.relying.last().is_some_and(|&lowest| !relies(lowest)) {
             guard.relying.pop();
         }
@@ -209,6 +214,7 @@ impl Schedule {
             // One that has lost its rank meanwhile has all guards to pass.
             candidates.push((freed, if self.ranks[freed as usize] == NONE { self.guards.len() } else { at }));
         }
+        // Guards on which nothing relies are passed over by all searches.
         while self.guards.get(self.first).is_some_and(|guard| guard.relying.is_empty()) {
             self.first += 1;
         }

@@ -15,7 +15,7 @@ pub enum FeatureKind {
     Island,
 }
 
-/// A small feature, as far as it goes along the direction of its part.
+/// A small feature, from its lowest to its highest layer along the direction of its part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feature {
     /// What it is.

@@ -85,7 +85,7 @@ pub(super) fn analyse(solid: &Solid, stand: &Stand, earlier: &[&Solid], options:
     let mut layers: Vec<Layer> = Vec::new();
     let mut features = Vec::new();
     let mut low = stand.base;
-    // What is left above the last layer of a rounding's height is none.
+    // What is left above the last layer is no layer if it is only as high as rounding.
     while top - low > 1e-6 * options.layer_mm {
         let height = layer_height(|height| Region::of(&cut(solid, height)).area(), low, top, options);
         let high = low + height;

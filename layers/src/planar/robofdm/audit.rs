@@ -22,7 +22,7 @@ pub struct AuditOptions {
     /// Points along each side of the bounding box that are asked for their part. Default 7: 343 points.
     pub points: u32,
     /// Share of a layer that may lie on nothing: of its area, or of the mean area of the part's layers where that is larger, so that a tip of
-    /// less than a bead is none of it. Default 0.05: with less, rims of feet that are flat to a triangle of the mesh fail, with more, layers hang
+    /// less than a bead does not count. Default 0.05: with less, rims of feet that are flat to a triangle of the mesh fail, with more, layers hang
     /// that the risky area of a part hardly shows.
     pub max_unsupported: f64,
     /// Difference of the volumes, relative, that is rounding. Default 1e-9.

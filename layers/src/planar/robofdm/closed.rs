@@ -16,7 +16,7 @@ pub(super) struct ClosedMesh<'a> {
 
 impl<'a> ClosedMesh<'a> {
     /// # Errors
-    /// No triangle, a vertex that is no place or does not exist, an edge that is not passed once in each direction.
+    /// No triangle, a vertex that is not finite or does not exist, an edge that is not passed once in each direction.
     pub(super) fn new(points: &'a [Point3<f64>], triangles: &'a [[u32; 3]]) -> Result<Self, RoboFdmError> {
         if triangles.is_empty() {
             return Err(RoboFdmError::Empty);

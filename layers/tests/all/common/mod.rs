@@ -3,9 +3,14 @@
 use curvlay_hull::{ConvexHull, Depth};
 use curvlay_layers::Progress;
 use curvlay_layers::cells::Cells;
-use curvlay_layers::curved::{Neighbours, Platform, Rules};
+use curvlay_layers::curved::{Neighbours, NozzleRule, Platform, Rules};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
+
+/// The nozzle that the figures of these tests were found with: its tip flat is 1 mm wide, whatever the default is.
+pub fn tip_1_mm() -> NozzleRule {
+    NozzleRule { tip_flat_mm: 1.0, ..NozzleRule::default() }
+}
 
 /// The triangles of a box: corner `k` lies high along the axes of the bits of `k`.
 pub const BOX: [[u32; 3]; 12] = [

@@ -93,7 +93,7 @@ impl Contents {
     }
 }
 
-/// Reads the vertices of a POLYLINE, and returns the record after them that is no SEQEND.
+/// Reads the vertices of a POLYLINE, and returns the record after them that is not SEQEND.
 fn read_vertices<R: BufRead>(records: &mut Records<R>, vertices: &mut Vec<Record>) -> Result<Option<Record>, DxfError> {
     loop {
         let vertex = next_in_section(records)?;

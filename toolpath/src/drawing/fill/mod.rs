@@ -222,12 +222,9 @@ fn beads(region: &Region, source: usize, options: &FillOptions) -> Result<Option
     // Half of the tolerance for the shape, half for its round corners.
     let thin: Shape = whole.iter().map(|ring| simplified(ring, 0.5 * options.tolerance)).collect();
     let depth = inradius::inradius(&thin, 0.002 * bead);
-    let stroke = |ring: &Ring, kind, width| Stroke { points: to_points(ring), closed: true, width, kind, source };
     // What lies within the bead on the outline is filled as a region of its own.
-    let (mut outlines, first) = match options.contour {
-        ContourAt::OnLine => (whole.iter().map(|ring| stroke(ring, StrokeKind::Outline, bead)).collect(), 0.5 * bead),
-        ContourAt::Inside => (Vec::new(), 0.0),
-    };
+    let on_line = options.contour == ContourAt::OnLine;
+    let first = if on_line { 0.5 * bead } else { 0.0 };
     let left = depth - first;
     if options.fill == Fill::Lines && diagonal(&region.outer) / bead > MAX_ROWS as f64 {
         return Err(FillError::TooMany { region: source, limit: MAX_ROWS });
@@ -235,57 +232,93 @@ fn beads(region: &Region, source: usize, options: &FillOptions) -> Result<Option
     if left / bead > MAX_LEVELS as f64 + 0.5 {
         return Err(FillError::TooMany { region: source, limit: MAX_LEVELS });
     }
-    if left < options.min_width * bead {
-        return Ok((options.contour == ContourAt::OnLine).then_some((outlines, Vec::new())));
-    }
-    // As many beads to the middle, of one width.
+    // As many beads to the middle, of one width: no gap is left there, and no bead lies on another.
     let levels = (left / bead).round().max(1.0);
-    let width = left / levels;
-    let at = |depth: f64| inset(&vec![thin.clone()], depth, 0.5 * options.tolerance);
-    let mut fill = Vec::new();
-    match options.fill {
-        Fill::None | Fill::Lines => {
-            let lines = options.fill == Fill::Lines;
-            // Scan lines have a width of their own; the outline keeps the wanted one where there is enough inside.
-            let (outline, within) = match options.contour {
-                ContourAt::OnLine => (bead, first),
-                ContourAt::Inside if levels > 1.0 => (bead, bead),
-                ContourAt::Inside => (width, 2.0 * depth),
-            };
-            if options.contour == ContourAt::Inside {
-                let rings = at(0.5 * outline);
-                outlines.extend(rings.iter().flatten().map(|ring| stroke(ring, StrokeKind::Outline, outline)));
-            }
-            if lines && within + (0.5 + options.gap) * bead < depth {
-                for shape in at(within + (0.5 + options.gap) * bead) {
-                    let scanned = lines::scan(&shape, bead, options);
-                    fill.extend(scanned.into_iter().map(|(ring, width)| Stroke {
-                        points: to_points(&ring),
-                        closed: false,
-                        width,
-                        kind: StrokeKind::Fill,
-                        source,
-                    }));
-                }
-            }
-        }
-        Fill::Concentric | Fill::Spiral => {
-            let depths: Vec<f64> = (0..levels as usize).map(|level| first + (level as f64 + 0.5) * width).collect();
-            let nested = nested(&thin, &depths, 0.5 * options.tolerance);
-            if options.fill == Fill::Spiral {
-                let curves = spiral::joined(&nested, width);
-                fill.extend(curves.iter().map(|ring| stroke(ring, StrokeKind::Fill, width)));
-            } else {
-                for (level, shapes) in nested.iter().enumerate() {
-                    let is_outline = level == 0 && options.contour == ContourAt::Inside;
-                    let (kind, list) =
-                        if is_outline { (StrokeKind::Outline, &mut outlines) } else { (StrokeKind::Fill, &mut fill) };
-                    list.extend(shapes.iter().flatten().map(|ring| stroke(ring, kind, width)));
-                }
-            }
-        }
+    let inside = Interior { options, source, thin: &thin, depth, first, levels, width: left / levels };
+    let is_narrow = left < options.min_width * bead;
+    let (mut outlines, fill) = match options.fill {
+        _ if is_narrow => (Vec::new(), Vec::new()),
+        Fill::None | Fill::Lines => inside.outline_and_lines(),
+        Fill::Concentric | Fill::Spiral => inside.loops(),
+    };
+    if on_line {
+        outlines = whole.iter().map(|ring| inside.stroke(ring, StrokeKind::Outline, bead)).collect();
     }
-    Ok(Some((outlines, fill)))
+    Ok((on_line || !is_narrow).then_some((outlines, fill)))
+}
+
+/// A region to be filled from a depth inwards.
+struct Interior<'a> {
+    options: &'a FillOptions,
+    /// The number of the region.
+    source: usize,
+    /// Its outline, without points that the tolerance does not need.
+    thin: &'a Shape,
+    /// How far its middle is from its outline, and how far in the fill begins.
+    depth: f64,
+    first: f64,
+    /// Beads from there to the middle, and their width.
+    levels: f64,
+    width: f64,
+}
+
+impl Interior<'_> {
+    fn stroke(&self, ring: &Ring, kind: StrokeKind, width: f64) -> Stroke {
+        Stroke { points: to_points(ring), closed: true, width, kind, source: self.source }
+    }
+
+    /// The region without what is nearer to its outline than this.
+    fn deeper(&self, depth: f64) -> Vec<Shape> {
+        inset(&vec![self.thin.clone()], depth, 0.5 * self.options.tolerance)
+    }
+
+    /// An outline unless there is one on the line, and scan lines in what it leaves if they are asked for.
+    fn outline_and_lines(&self) -> Beads {
+        let bead = self.options.bead;
+        let (mut outlines, mut fill) = (Vec::new(), Vec::new());
+        // Scan lines have a width of their own; the outline keeps the wanted one where there is enough inside.
+        let (outline, within) = match self.options.contour {
+            ContourAt::OnLine => (bead, self.first),
+            ContourAt::Inside if self.levels > 1.0 => (bead, bead),
+            ContourAt::Inside => (self.width, 2.0 * self.depth),
+        };
+        if self.options.contour == ContourAt::Inside {
+            let rings = self.deeper(0.5 * outline);
+            outlines.extend(rings.iter().flatten().map(|ring| self.stroke(ring, StrokeKind::Outline, outline)));
+        }
+        let within = within + (0.5 + self.options.gap) * bead;
+        if self.options.fill == Fill::Lines && within < self.depth {
+            for shape in self.deeper(within) {
+                let scanned = lines::scan(&shape, bead, self.options).into_iter();
+                let line = |(ring, width): (Ring, f64)| Stroke {
+                    closed: false,
+                    ..self.stroke(&ring, StrokeKind::Fill, width)
+                };
+                fill.extend(scanned.map(line));
+            }
+        }
+        (outlines, fill)
+    }
+
+    /// Loops one inside the other, or one curve that joins them. The outermost is the outline unless there is one on the line.
+    fn loops(&self) -> Beads {
+        let (mut outlines, mut fill) = (Vec::new(), Vec::new());
+        let depth = |level: usize| self.first + (level as f64 + 0.5) * self.width;
+        let depths: Vec<f64> = (0..self.levels as usize).map(depth).collect();
+        let nested = nested(self.thin, &depths, 0.5 * self.options.tolerance);
+        if self.options.fill == Fill::Spiral {
+            let curves = spiral::joined(&nested, self.width);
+            fill.extend(curves.iter().map(|ring| self.stroke(ring, StrokeKind::Fill, self.width)));
+            return (outlines, fill);
+        }
+        for (level, shapes) in nested.iter().enumerate() {
+            let is_outline = level == 0 && self.options.contour == ContourAt::Inside;
+            let (kind, list) =
+                if is_outline { (StrokeKind::Outline, &mut outlines) } else { (StrokeKind::Fill, &mut fill) };
+            list.extend(shapes.iter().flatten().map(|ring| self.stroke(ring, kind, self.width)));
+        }
+        (outlines, fill)
+    }
 }
 
 #[cfg(test)]

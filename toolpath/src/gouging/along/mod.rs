@@ -139,7 +139,7 @@ impl<'a> Tilted<'a> {
         // Those first that are stuck the other way: most are in this one, too, and there is no need to look at the others.
         let stuck = self.0.steps.iter().zip(0..).filter(|(step, _)| step.is_left());
         for k in stuck.map(|(_, k)| last - k) {
-            let direction = walker.steps[k].waypoint.direction;
+            let direction = walker.steps[k].waypoint.axis;
             if !walker.is_free(k, &direction) {
                 walker.tilt_at(k);
                 left += usize::from(walker.steps[k].stuck);
@@ -194,7 +194,7 @@ impl Step {
     fn new(waypoint: Waypoint, before: u32, given: Option<usize>) -> Self {
         Step {
             waypoint,
-            wanted: waypoint.direction,
+            wanted: waypoint.axis,
             before,
             stuck: false,
             gouged: false,
@@ -237,7 +237,7 @@ impl Walker<'_> {
     }
 
     fn stand_of(&self, step: &Step) -> Stand {
-        Stand { tip: step.waypoint.tip, before: step.before, allowed: self.options.allowed_depth }
+        Stand { tip: step.waypoint.position, before: step.before, allowed: self.options.allowed_depth }
     }
 
     fn is_free(&mut self, k: usize, direction: &UnitVector3<f64>) -> bool {
@@ -257,13 +257,14 @@ impl Walker<'_> {
             // From a waypoint that was tilted the way turns far.
             let shares =
                 k > 0 && !self.steps[k - 1].gouged && self.turn(k - 1, k) <= self.options.max_turn.min(FRAC_PI_2);
-            let direction = self.steps[k].waypoint.direction;
+            let direction = self.steps[k].waypoint.axis;
+            // What is near the way is gathered once for its end and for what lies between.
             let is_free = if shares {
                 let [last, step] = [k - 1, k].map(|k| self.steps[k]);
                 self.gather(&last, &step, step.before);
                 let is_free = self.scene.is_free_of(&self.near, self.stand(k), &direction);
                 if is_free && self.is_free_between(&last, &step) {
-                    self.steps[k].looked = Some([last.waypoint.direction, direction]);
+                    self.steps[k].looked = Some([last.waypoint.axis, direction]);
                 }
                 is_free
             } else {
@@ -278,23 +279,24 @@ impl Walker<'_> {
     /// Tilts a waypoint that gouges.
     fn tilt_at(&mut self, k: usize) {
         self.points.clear();
-        let direction = self.steps[k].waypoint.direction;
+        let direction = self.steps[k].waypoint.axis;
         let tilted = self.least_tilt_or_known(self.stand(k), direction);
         let step = &mut self.steps[k];
         (step.gouged, step.stuck) = (true, tilted.is_none());
-        step.waypoint.direction = tilted.unwrap_or(direction);
+        step.waypoint.axis = tilted.unwrap_or(direction);
     }
 
     /// Gives a waypoint that no tilt frees the direction that is least deep.
     fn sink(&mut self, k: usize) {
-        let direction = self.steps[k].waypoint.direction;
+        let direction = self.steps[k].waypoint.axis;
         let (mut closed, mut open) = (self.options.allowed_depth, DEEPEST);
         let mut allowed = open;
+        // Free as deep as `open`, not free as deep as `closed`.
         while open - closed > DEEPER_STEP {
             let stand = Stand { allowed, ..self.stand(k) };
             match self.least_tilt_or_known(stand, direction) {
                 Some(direction) => {
-                    self.steps[k].waypoint.direction = direction;
+                    self.steps[k].waypoint.axis = direction;
                     open = allowed;
                 }
                 // Not even as deep as that: it stays as it is.
@@ -313,6 +315,8 @@ impl Walker<'_> {
         let stuck = self.steps[k];
         let (mut low, mut high) = (0.0, self.options.max_lift);
         let Some(mut raised) = (high > 0.0).then(|| self.raised(&stuck, high)).flatten() else { return false };
+        // Free at `high`, not at `low`. A tip that is higher is not always as free, so this finds a height that frees, and at most a step
+        // below one that does not.
         while high - low > LIFT_STEP {
             let lift = (low + high) / 2.0;
             match self.raised(&stuck, lift) {
@@ -328,15 +332,15 @@ impl Walker<'_> {
     /// that is free up there.
     fn raised(&mut self, &Step { waypoint, wanted, before, .. }: &Step, share: f64) -> Option<Waypoint> {
         let lift = wanted.into_inner() * (share * waypoint.height);
-        let stand = Stand { tip: waypoint.tip + lift, before, allowed: self.options.allowed_depth };
-        let is_free = self.scene.is_free(stand, &waypoint.direction, &mut self.stack);
-        let direction = if is_free { waypoint.direction } else { self.least_tilt_or_known(stand, wanted)? };
-        Some(Waypoint { tip: stand.tip, direction, lift, ..waypoint })
+        let stand = Stand { tip: waypoint.position + lift, before, allowed: self.options.allowed_depth };
+        let is_free = self.scene.is_free(stand, &waypoint.axis, &mut self.stack);
+        let direction = if is_free { waypoint.axis } else { self.least_tilt_or_known(stand, wanted)? };
+        Some(Waypoint { position: stand.tip, axis: direction, lift, ..waypoint })
     }
 
     /// Frees a waypoint that was put between.
     fn free(&mut self, k: usize) {
-        let direction = self.steps[k].waypoint.direction;
+        let direction = self.steps[k].waypoint.axis;
         if self.is_free(k, &direction) {
             return;
         }
@@ -351,12 +355,12 @@ impl Walker<'_> {
     }
 
     fn turn(&self, k: usize, other: usize) -> f64 {
-        angle(&self.steps[k].waypoint.direction, &self.steps[other].waypoint.direction)
+        angle(&self.steps[k].waypoint.axis, &self.steps[other].waypoint.axis)
     }
 
     /// The largest turn that may be between two neighbours.
     fn limit(&self, k: usize, other: usize) -> f64 {
-        let way = (self.steps[k].waypoint.tip - self.steps[other].waypoint.tip).norm();
+        let way = (self.steps[k].waypoint.position - self.steps[other].waypoint.position).norm();
         self.options.max_turn.min(self.options.max_turn_per_mm * way)
     }
 
@@ -381,15 +385,16 @@ impl Walker<'_> {
         if turn <= limit + TURN_ROUNDING || self.steps[k].is_fixed() {
             return;
         }
-        let [from, to] = [leader, k].map(|k| self.steps[k].waypoint.direction);
+        let [from, to] = [leader, k].map(|k| self.steps[k].waypoint.axis);
         let Some(nearer) = along(&from, &to, limit / turn) else {
             return;
         };
+        // What is free but turns too far is no gain: the waypoint stays as it is.
         let within = |direction: &UnitVector3<f64>| angle(&from, direction) <= limit + TURN_ROUNDING;
         self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
         if let Some(direction) = free.filter(within) {
-            self.steps[k].waypoint.direction = direction;
+            self.steps[k].waypoint.axis = direction;
         }
     }
 
@@ -398,8 +403,8 @@ impl Walker<'_> {
         let limit = self.options.max_turn;
         // More points do not make a turn gentler that the way is too short for.
         let helps = |last: &Step, step: &Step| {
-            let way = (step.waypoint.tip - last.waypoint.tip).norm();
-            let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
+            let way = (step.waypoint.position - last.waypoint.position).norm();
+            let turn = angle(&last.waypoint.axis, &step.waypoint.axis);
             turn > limit + TURN_ROUNDING && turn <= self.options.max_turn_per_mm * way + TURN_ROUNDING
         };
         let long: Vec<bool> = self.steps.windows(2).map(|pair| helps(&pair[0], &pair[1])).collect();
@@ -424,7 +429,7 @@ impl Walker<'_> {
         let count = self.steps.len();
         let mut around = vec![false; count];
         for k in 0..count {
-            if self.steps[k].waypoint.direction != self.steps[k].wanted {
+            if self.steps[k].waypoint.axis != self.steps[k].wanted {
                 around[k.saturating_sub(AROUND)..(k + AROUND + 1).min(count)].fill(true);
             }
         }
@@ -433,16 +438,17 @@ impl Walker<'_> {
                 if self.steps[k].is_fixed() {
                     continue;
                 }
-                let [last, here, next] = [k - 1, k, k + 1].map(|k| self.steps[k].waypoint.direction);
+                let [last, here, next] = [k - 1, k, k + 1].map(|k| self.steps[k].waypoint.axis);
                 let sum = last.into_inner() + here.into_inner() * 2.0 + next.into_inner();
                 let Some(mean) = Unit::try_new(sum, 0.0) else {
                     continue;
                 };
+                // A mean may leave a turn too sharp that was so before, but make none sharper.
                 let sound =
                     |other: &UnitVector3<f64>, limit: f64| angle(other, &mean) <= limit.max(angle(other, &here));
                 let are_sound = sound(&last, self.limit(k - 1, k)) && sound(&next, self.limit(k, k + 1));
                 if angle(&mean, &here) > SMALL && are_sound && self.is_free(k, &mean) {
-                    self.steps[k].waypoint.direction = mean;
+                    self.steps[k].waypoint.axis = mean;
                 }
             }
         }
@@ -454,8 +460,8 @@ impl Walker<'_> {
         let mut any = false;
         for mut step in old {
             if let Some(last) = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied() {
-                let ends = [&last, &step].map(|step| step.waypoint.direction);
-                // What was found free is free as long as nobody turns.
+                let ends = [&last, &step].map(|step| step.waypoint.axis);
+                // What was found free stays free while neither end turns.
                 if step.looked != Some(ends) {
                     self.points.clear();
                     self.gather(&last, &step, last.before);
@@ -476,15 +482,15 @@ impl Walker<'_> {
             return true;
         }
         LOOKS.iter().filter_map(|&share| part_way(&last.waypoint, &step.waypoint, share)).all(|waypoint| {
-            let stand = Stand { tip: waypoint.tip, before: last.before, allowed: self.options.allowed_depth };
-            self.scene.is_free_of(&self.near, stand, &waypoint.direction)
+            let stand = Stand { tip: waypoint.position, before: last.before, allowed: self.options.allowed_depth };
+            self.scene.is_free_of(&self.near, stand, &waypoint.axis)
         })
     }
 
     fn is_above_plate(&self, last: &Step, step: &Step) -> bool {
         let end = |step: &Step| {
-            let stand = Stand { tip: step.waypoint.tip, before: step.before, allowed: self.options.allowed_depth };
-            (stand, step.waypoint.direction)
+            let stand = Stand { tip: step.waypoint.position, before: step.before, allowed: self.options.allowed_depth };
+            (stand, step.waypoint.axis)
         };
         self.scene.above_plate_along([last, step].map(end))
     }
@@ -493,26 +499,26 @@ impl Walker<'_> {
     fn gather(&mut self, last: &Step, step: &Step, before: u32) {
         self.near.clear();
         let Some(middle) = part_way(&last.waypoint, &step.waypoint, 0.5) else { return };
-        let stand = Stand { tip: middle.tip, before, allowed: self.options.allowed_depth };
+        let stand = Stand { tip: middle.position, before, allowed: self.options.allowed_depth };
         // Half of both, and a little for rounding.
-        let moves = 0.5 * (step.waypoint.tip - last.waypoint.tip);
-        let along = moves.dot(&middle.direction).abs();
+        let moves = 0.5 * (step.waypoint.position - last.waypoint.position);
+        let along = moves.dot(&middle.axis).abs();
         let across = (moves.norm_squared() - along * along).max(0.0).sqrt();
         let moves = [along, across].map(|moves| moves + REACH_TO_SPARE);
-        let turns = 0.5 * angle(&last.waypoint.direction, &step.waypoint.direction) + REACH_TO_SPARE;
-        self.scene.near(stand, &middle.direction, moves, turns, &mut self.near);
+        let turns = 0.5 * angle(&last.waypoint.axis, &step.waypoint.axis) + REACH_TO_SPARE;
+        self.scene.near(stand, &middle.axis, moves, turns, &mut self.near);
     }
 
     /// Puts a waypoint that is free a share of the way from one to another, if the nozzle gouges there; whether it did.
     fn put_between(&mut self, last: &Step, step: &Step, share: f64) -> bool {
         let Some(waypoint) = part_way(&last.waypoint, &step.waypoint, share) else { return false };
         let k = self.steps.len();
-        let wanted = waypoint.direction;
+        let wanted = waypoint.axis;
         self.steps.push(Step::new(waypoint, last.before, None));
         let is_free = self.scene.is_free_of(&self.near, self.stand(k), &wanted);
         let tilted = if is_free { None } else { self.least_tilt(k, wanted, self.options.max_tilt) };
         match tilted {
-            Some(direction) => self.steps[k].waypoint.direction = direction,
+            Some(direction) => self.steps[k].waypoint.axis = direction,
             None => drop(self.steps.pop()),
         }
         tilted.is_some()
@@ -526,7 +532,7 @@ impl Walker<'_> {
         let given = |k: usize| Some((k, beside(k).find_map(|k| self.steps.get(k)?.given)?));
         let stuck: Vec<_> = (0..self.steps.len()).filter(stuck).filter_map(given).collect();
         let left = stuck.into_iter().filter_map(|(k, given)| Some((given, self.gouge(k, layer)?))).collect();
-        let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.direction)).collect();
+        let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.axis)).collect();
         let cuts = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.cut?))).collect();
         let sharp = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.sharp?))).collect();
         let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
@@ -535,7 +541,7 @@ impl Walker<'_> {
 
     /// How a waypoint that no tilt frees gouges.
     fn gouge(&mut self, waypoint: usize, layer: u32) -> Option<Gouge> {
-        let (stand, direction) = (self.stand(waypoint), self.steps[waypoint].waypoint.direction);
+        let (stand, direction) = (self.stand(waypoint), self.steps[waypoint].waypoint.axis);
         let Contact { obstacle, depth, part, .. } = self.scene.deepest(stand, &direction, &mut self.stack)?;
         // Earlier layers are finished before the first waypoint of this one.
         let earlier = Stand { before: after(layer), ..stand };

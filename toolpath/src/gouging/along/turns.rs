@@ -29,6 +29,7 @@ impl Walker<'_> {
                 self.follow_around(k);
             }
             let now = self.cuts();
+            // Only as a whole: to turn one pair may sharpen others.
             if now.len() < cuts.len() {
                 (any, cuts) = (true, now);
             } else {
@@ -42,10 +43,11 @@ impl Walker<'_> {
     /// pieces behind. Of the steps of such a millimetre it is the one that turns most for its length.
     fn cuts(&self) -> Vec<usize> {
         let GougingOptions { max_turn, max_turn_per_mm: per_mm, .. } = *self.options;
-        let way = |k: usize| (self.steps[k].waypoint.tip - self.steps[k - 1].waypoint.tip).norm();
+        let way = |k: usize| (self.steps[k].waypoint.position - self.steps[k - 1].waypoint.position).norm();
         let excess = |k: usize| self.turn(k - 1, k) - per_mm * way(k);
         let (mut cuts, mut piece) = (Vec::new(), 0);
         let mut k = 1;
+        // Windows that end at step `k`, and begin in the same piece.
         while k < self.steps.len() {
             let (mut from, mut length) = (k, 0.0);
             let is_sharp = loop {
@@ -81,10 +83,11 @@ impl Walker<'_> {
                 if self.steps[other].is_fixed() {
                     continue;
                 }
-                let wanted = self.steps[leader].waypoint.direction;
+                let wanted = self.steps[leader].waypoint.axis;
                 self.points.clear();
+                // Each in turn goes to the free direction nearest to the other's: the angle between them never grows.
                 if let Some(direction) = self.least_tilt(other, wanted, self.turn(k - 1, k)) {
-                    self.steps[other].waypoint.direction = direction;
+                    self.steps[other].waypoint.axis = direction;
                 }
             }
         }
@@ -114,7 +117,7 @@ impl Walker<'_> {
             }
             let step = Step { before: begun.filter(|_| step.waypoint.added).unwrap_or(step.before), ..step };
             begun = begun.filter(|_| step.waypoint.added);
-            if begun.is_some() && !self.scene.is_free(self.stand_of(&step), &step.waypoint.direction, &mut self.stack) {
+            if begun.is_some() && !self.scene.is_free(self.stand_of(&step), &step.waypoint.axis, &mut self.stack) {
                 continue;
             }
             if !is_cut {
@@ -123,9 +126,9 @@ impl Walker<'_> {
             }
             is_cut = false;
             let last = self.steps[self.steps.len() - 1];
-            let turn = angle(&last.waypoint.direction, &step.waypoint.direction);
+            let turn = angle(&last.waypoint.axis, &step.waypoint.axis);
             let [end, start] = self.ends_between(&last, &step);
-            let tip = |between: Option<Step>, other: &Step| between.unwrap_or(*other).waypoint.tip;
+            let tip = |between: Option<Step>, other: &Step| between.unwrap_or(*other).waypoint.position;
             let gap = (tip(start, &step) - tip(end, &last)).norm();
             if gap > step.waypoint.width && self.is_way_free(&last, &step) {
                 self.steps.push(Step { sharp: Some(turn), ..step });
@@ -150,9 +153,10 @@ impl Walker<'_> {
             // Toward the next waypoint; of the last one, from the one before.
             let onward = k + 1 < old.len();
             let beside = &old[if onward { k + 1 } else { k.saturating_sub(1) }];
-            let way = (beside.waypoint.tip - step.waypoint.tip).try_normalize(0.0).unwrap_or_default() * DOT_MM;
+            let way =
+                (beside.waypoint.position - step.waypoint.position).try_normalize(0.0).unwrap_or_default() * DOT_MM;
             let arc = step.waypoint.arc + if onward { DOT_MM } else { -DOT_MM };
-            let waypoint = Waypoint { tip: step.waypoint.tip + way, arc, added: true, ..step.waypoint };
+            let waypoint = Waypoint { position: step.waypoint.position + way, arc, added: true, ..step.waypoint };
             let dot = Step { waypoint, given: None, cut: None, ..step };
             if onward {
                 self.steps.extend([step, dot]);
@@ -167,7 +171,7 @@ impl Walker<'_> {
     fn ends_between(&mut self, last: &Step, step: &Step) -> [Option<Step>; 2] {
         // What the piece before has laid is there when the next one begins.
         let at = |of: &Step, share: f64| {
-            let stand = |step: &Step| Waypoint { direction: of.waypoint.direction, ..step.waypoint };
+            let stand = |step: &Step| Waypoint { axis: of.waypoint.axis, ..step.waypoint };
             let waypoint = part_way(&stand(last), &stand(step), share)?;
             Some(Step::new(waypoint, of.before, None))
         };
@@ -186,8 +190,8 @@ impl Walker<'_> {
     fn is_way_free(&mut self, last: &Step, step: &Step) -> bool {
         let before = last.before.max(step.before);
         self.gather(last, step, before);
-        let stand = |step: &Step| Stand { tip: step.waypoint.tip, before, allowed: self.options.allowed_depth };
-        let is_free = |step: &Step| self.scene.is_free_of(&self.near, stand(step), &step.waypoint.direction);
+        let stand = |step: &Step| Stand { tip: step.waypoint.position, before, allowed: self.options.allowed_depth };
+        let is_free = |step: &Step| self.scene.is_free_of(&self.near, stand(step), &step.waypoint.axis);
         is_free(last) && is_free(step) && self.is_free_between(&Step { before, ..*last }, step)
     }
 }

@@ -2,8 +2,9 @@
 //! on every sheet of every triangle.
 
 use super::layers::{Layer, path};
+use super::nozzle::tip_1_mm;
 use crate::common::{self, rng, rough};
-use curvlay_toolpath::gouging::Nozzle;
+
 use curvlay_toolpath::nalgebra::{Point3, UnitVector3, Vector3};
 use curvlay_toolpath::orientation::ToolPath;
 use rand::RngExt;
@@ -42,7 +43,7 @@ pub fn slow_depth(sheets: &[Point3<f64>], tip: Point3<f64>, direction: &UnitVect
 }
 
 pub fn slow_lack(sheets: &[Point3<f64>], tip: Point3<f64>, direction: &UnitVector3<f64>) -> f64 {
-    let nozzle = Nozzle::default();
+    let nozzle = tip_1_mm();
     let clearance = |p: &Point3<f64>| {
         let v = p - tip;
         let z = v.dot(direction);

@@ -96,8 +96,8 @@ pub fn path(layer: u32, waypoints: &[(Point3<f64>, Vector3<f64>)]) -> ToolPath {
         arc += last.map_or(0.0, |last| (tip - last).norm());
         last = Some(tip);
         Waypoint {
-            tip,
-            direction: Unit::new_normalize(direction),
+            position: tip,
+            axis: Unit::new_normalize(direction),
             width: 0.8,
             height: 0.8,
             arc,

@@ -1,4 +1,11 @@
-//! The default nozzle as its profile, a polygon in the plane of the axis: `z` along the axis from the tip, `rho` beside it.
+//! The nozzle of the tests, and its profile: a polygon in the plane of the axis, `z` along the axis from the tip, `rho` beside it.
+
+use curvlay_toolpath::gouging::{Nozzle, NozzleShape};
+
+/// The nozzle that the figures of these tests were found with: its tip flat is 1 mm wide, whatever the default is.
+pub fn tip_1_mm() -> Nozzle {
+    Nozzle::new(NozzleShape { tip_flat_mm: 1.0, ..NozzleShape::default() }).unwrap()
+}
 
 /// True distance to the profile.
 pub fn to_profile(z: f64, rho: f64) -> f64 {

@@ -24,54 +24,95 @@ pub(super) struct Solution {
 const MIN_CURVATURE: f64 = 1e-12;
 
 pub(super) fn solve<const N: usize>(samples: &[Sample<N>], options: &SvmOptions) -> Solution {
-    let cost = options.cost;
-    let y: Vec<f64> = samples.iter().map(|sample| if sample.collides { 1.0 } else { -1.0 }).collect();
     let mut rows = Rows::new(samples, options);
-    let mut alphas = vec![0.0; samples.len()];
-    let mut gradient = vec![-1.0; samples.len()];
+    let mut dual = Dual {
+        cost: options.cost,
+        y: samples.iter().map(|sample| if sample.collides { 1.0 } else { -1.0 }).collect(),
+        alphas: vec![0.0; samples.len()],
+        gradient: vec![-1.0; samples.len()],
+    };
     let mut steps = 0;
     let gap = loop {
-        let up = |t: usize| if y[t] > 0.0 { alphas[t] < cost } else { alphas[t] > 0.0 };
-        let low = |t: usize| if y[t] > 0.0 { alphas[t] > 0.0 } else { alphas[t] < cost };
+        let (most, i) = dual.most_violating();
+        let row_i = rows.row(i);
+        let (gap, j) = dual.partner(&rows, row_i, (most, i));
+        if gap <= options.tolerance || steps >= options.max_steps {
+            break gap.max(0.0);
+        }
+        let row_j = rows.row_beside(j, i);
+        dual.step(&rows, most, [(i, row_i), (j, row_j)]);
+        steps += 1;
+    };
+    let Dual { y, alphas, gradient, cost } = dual;
+    let objective = alphas.iter().zip(&gradient).map(|(alpha, g)| 0.5 * alpha * (g - 1.0)).sum();
+    Solution { bias: bias(&y, &alphas, &gradient, cost), alphas, steps, gap, objective }
+}
+
+/// The dual problem at a point.
+struct Dual {
+    /// The greatest coefficient.
+    cost: f64,
+    y: Vec<f64>,
+    alphas: Vec<f64>,
+    gradient: Vec<f64>,
+}
+
+impl Dual {
+    /// Whether a coefficient may grow along `y`.
+    fn up(&self, t: usize) -> bool {
+        if self.y[t] > 0.0 { self.alphas[t] < self.cost } else { self.alphas[t] > 0.0 }
+    }
+
+    /// Whether it may shrink along `y`.
+    fn low(&self, t: usize) -> bool {
+        if self.y[t] > 0.0 { self.alphas[t] > 0.0 } else { self.alphas[t] < self.cost }
+    }
+
+    /// `-y g` of a coefficient.
+    fn violation(&self, t: usize) -> f64 {
+        -self.y[t] * self.gradient[t]
+    }
+
+    /// The coefficient that violates the conditions most of those that may grow, and by how much: `i` of WSS 2.
+    fn most_violating(&self) -> (f64, usize) {
         let mut first = (f64::NEG_INFINITY, 0);
-        for t in 0..y.len() {
-            let violation = -y[t] * gradient[t];
-            if violation > first.0 && up(t) {
+        for t in 0..self.y.len() {
+            let violation = self.violation(t);
+            if violation > first.0 && self.up(t) {
                 first = (violation, t);
             }
         }
-        let (most, i) = first;
-        let row_i = rows.row(i);
+        first
+    }
+
+    /// Of the coefficients that may shrink, the one with which a step lowers the objective most: `j` of WSS 2. With the gap between
+    /// the two conditions.
+    fn partner<const N: usize>(&self, rows: &Rows<'_, N>, row_i: usize, (most, i): (f64, usize)) -> (f64, usize) {
         let mut least = f64::INFINITY;
         let mut second = (f64::NEG_INFINITY, i);
-        for t in 0..y.len() {
-            if !low(t) {
-                continue;
-            }
-            let violation = -y[t] * gradient[t];
+        for t in (0..self.y.len()).filter(|&t| self.low(t)) {
+            let violation = self.violation(t);
             least = least.min(violation);
             let difference = most - violation;
             if difference > 0.0 {
-                // The kernel of a posture with itself is 1.
-                let curvature = (2.0 - 2.0 * rows.at(row_i, t)).max(MIN_CURVATURE);
-                let gain = difference * difference / curvature;
+                let gain = difference * difference / curvature(rows, row_i, t);
                 if gain > second.0 {
                     second = (gain, t);
                 }
             }
         }
-        let gap = most - least;
-        if gap <= options.tolerance || steps >= options.max_steps {
-            break gap.max(0.0);
-        }
-        let j = second.1;
-        let row_j = rows.row_beside(j, i);
-        // Along y: a_i grows by y_i d, a_j shrinks by y_j d.
-        let curvature = (2.0 - 2.0 * rows.at(row_i, j)).max(MIN_CURVATURE);
-        let wanted = (most + y[j] * gradient[j]) / curvature;
+        (most - least, second.1)
+    }
+
+    /// Moves two coefficients until the objective falls no more or one is at its limit. Along y: `a_i` grows by `y_i d`, `a_j` shrinks by `y_j d`.
+    fn step<const N: usize>(&mut self, rows: &Rows<'_, N>, most: f64, [(i, row_i), (j, row_j)]: [(usize, usize); 2]) {
+        let Dual { cost, y, alphas, gradient } = self;
+        let cost = *cost;
+        let wanted = (most + y[j] * gradient[j]) / curvature(rows, row_i, j);
         let slack = |t: usize, growing: bool| if growing { cost - alphas[t] } else { alphas[t] };
         let (slack_i, slack_j) = (slack(i, y[i] > 0.0), slack(j, y[j] < 0.0));
         let step = wanted.min(slack_i).min(slack_j);
+        // A coefficient that goes all the way is exactly at its limit: rounding would leave it a little before.
         let moved = |t: usize, by: f64, is_all: bool| match (is_all, by > 0.0) {
             (true, true) => cost,
             (true, false) => 0.0,
@@ -82,13 +123,15 @@ pub(super) fn solve<const N: usize>(samples: &[Sample<N>], options: &SvmOptions)
         let (change_i, change_j) = (y[i] * (next_i - alphas[i]), y[j] * (next_j - alphas[j]));
         (alphas[i], alphas[j]) = (next_i, next_j);
         let (kernels_i, kernels_j) = (rows.slice(row_i), rows.slice(row_j));
-        for (((g, y), k_i), k_j) in gradient.iter_mut().zip(&y).zip(kernels_i).zip(kernels_j) {
+        for (((g, y), k_i), k_j) in gradient.iter_mut().zip(&*y).zip(kernels_i).zip(kernels_j) {
             *g += y * (k_i * change_i + k_j * change_j);
         }
-        steps += 1;
-    };
-    let objective = alphas.iter().zip(&gradient).map(|(alpha, g)| 0.5 * alpha * (g - 1.0)).sum();
-    Solution { bias: bias(&y, &alphas, &gradient, cost), alphas, steps, gap, objective }
+    }
+}
+
+/// Curvature of the objective along a step of two coefficients. The kernel of a posture with itself is 1.
+fn curvature<const N: usize>(rows: &Rows<'_, N>, row: usize, t: usize) -> f64 {
+    (2.0 - 2.0 * rows.at(row, t)).max(MIN_CURVATURE)
 }
 
 /// The value is `y` on samples whose coefficient is strictly between its ends: the mean over those, else the middle of

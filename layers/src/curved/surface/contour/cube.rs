@@ -114,6 +114,7 @@ impl Crossed {
         let slots = if self.slots >> 12 == 0 { 12 } else { SLOTS };
         let mut group: [u8; SLOTS] = std::array::from_fn(|slot| slot as u8);
         let links: [Links; 6] = std::array::from_fn(|face| self.links(face));
+        // Each link makes one group of two.
         for (one, other) in links.iter().flat_map(Links::pairs) {
             let [kept, gone] = [group[one], group[other]];
             group[..slots].iter_mut().filter(|g| **g == gone).for_each(|g| *g = kept);
@@ -202,6 +203,7 @@ impl Crossed {
     fn links(&self, face: usize) -> Links {
         let edges = &FACES[face];
         let mut links = Links::default();
+        // From behind a cut on, so that each chain is walked from its start to its end; without a cut the corners are a ring.
         let after_cut = (0..4).find(|&k| !self.is_joined(edges[(k + 3) % 4].0));
         let mut chain = Chain::default();
         for k in (0..4).map(|i| (after_cut.unwrap_or(0) + i) % 4) {
@@ -266,6 +268,7 @@ impl Links {
             push(one, other);
             return;
         }
+        // With more than two, the corner between two of them decides: those around what is above belong together.
         for pair in slots.windows(2) {
             if pair[0].1 {
                 push(pair[0].0, pair[1].0);

@@ -233,6 +233,7 @@ fn place_of(node: usize, axis: usize) -> usize {
 /// For each level its crossings, rising.
 fn crossings(field: &ExtendedField, levels: &[f64]) -> Vec<Vec<Crossing>> {
     let lattice = &field.lattice;
+    // Levels by value: those that an edge crosses follow each other, and one pass over the edges serves all levels.
     let mut rising: Vec<(f64, usize)> = levels.iter().copied().zip(0..).filter(|(level, _)| !level.is_nan()).collect();
     rising.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut crossings = vec![Vec::new(); levels.len()];
@@ -306,6 +307,7 @@ impl<'a> Contour<'a> {
             [node, node - b, node - c, node - b - c]
         };
         let mut nodes: Vec<usize> = crossings.iter().flat_map(|&crossing| around(crossing)).collect();
+        // Cubes by number, so that each is made once, and points come in the same order each time.
         nodes.sort_unstable();
         nodes.dedup();
         let mut cubes = Vec::with_capacity(nodes.len());
@@ -498,6 +500,7 @@ impl<'a> Contour<'a> {
         );
         let place = (self.place(one) + end) / 2.0;
         // The line by the lower of its crossings: the same from both cubes.
+        // Both cubes ask for the point on their common face; the first one makes it.
         let key = (cube.low_node.max(next.low_node), across, other.map_or(one, |other| one.min(other)));
         let new = self.points.len() as u32;
         let vertex = *self.on_faces.entry(key).or_insert(new);

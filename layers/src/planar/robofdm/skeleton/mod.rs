@@ -69,7 +69,7 @@ const MAX_SPLITS: usize = 400_000;
 /// Nodes and edges in mm; a piece of the mesh that is as round as a ball may shrink to a single node without an edge.
 ///
 /// # Errors
-/// [`RoboFdmError`] for a mesh that is not closed, or an option that is no figure.
+/// [`RoboFdmError`] for a mesh that is not closed, or an option that is not a number.
 ///
 /// # Cost
 /// Some tens of sparse solves over the vertices, which become fewer with each: about a second for 30,000 facets. One thread; the result does

@@ -93,22 +93,45 @@ pub fn rigid(
     max_rounds: u32,
     tolerance: f64,
 ) -> Option<(Vec<C>, u32, f64)> {
-    // Half the cotangent of the angle opposite to each side: from corner k + 1 to corner k + 2.
-    let weights: Vec<[f64; 3]> = shapes
-        .iter()
-        .map(|p| {
-            [0, 1, 2].map(|k: usize| {
-                let (a, b) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-                0.5 * (a.conj() * b).re / (a.conj() * b).im
-            })
-        })
-        .collect();
-    let sides = |k: usize| ((k + 1) % 3, (k + 2) % 3);
-    // The first vertex stays where it is.
+    let weights = half_cotangents(shapes);
+    // The matrix has the weights alone, not the turns: one factorisation serves all rounds.
+    let system = Factors::new(u.len() - 1, &laplacian(patch, &weights))?;
+    let (mut rounds, mut fell, mut before) = (0, f64::INFINITY, f64::INFINITY);
+    let scale: f64 = shapes.iter().map(|p| twice_area(*p)).sum();
+    while rounds < max_rounds && fell > tolerance {
+        let (mut right, energy) = turned(patch, shapes, &weights, &u);
+        take_held_across(patch, &weights, u[0], &mut right);
+        solve(&system, &right, &mut u);
+        // Both steps minimise the energy, so it never rises. Of the energy, but for what is nothing beside the area of the patch.
+        fell = if before.is_finite() { (before - energy) / energy.max(NOTHING * scale) } else { f64::INFINITY };
+        before = energy;
+        rounds += 1;
+    }
+    Some((u, rounds, if fell.is_finite() { fell.max(0.0) } else { 0.0 }))
+}
+
+/// The corners at the ends of the side opposite to a corner.
+fn side(k: usize) -> (usize, usize) {
+    ((k + 1) % 3, (k + 2) % 3)
+}
+
+/// Half the cotangent of the angle opposite to each side: from corner k + 1 to corner k + 2.
+fn half_cotangents(shapes: &[[C; 3]]) -> Vec<[f64; 3]> {
+    let half = |p: &[C; 3], k: usize| {
+        let (i, j) = side(k);
+        let (a, b) = (p[i] - p[k], p[j] - p[k]);
+        0.5 * (a.conj() * b).re / (a.conj() * b).im
+    };
+    shapes.iter().map(|p| [0, 1, 2].map(|k| half(p, k))).collect()
+}
+
+/// The cotangent Laplacian without the row and the column of vertex 0. That vertex stays where it is: with all of them free the map could
+/// be moved without a change of the energy, and the matrix would be singular.
+fn laplacian(patch: &Patch, weights: &[[f64; 3]]) -> Entries {
     let mut entries = Entries::default();
-    for (corners, weights) in patch.triangles.iter().zip(&weights) {
+    for (corners, weights) in patch.triangles.iter().zip(weights) {
         for (k, weight) in weights.iter().enumerate() {
-            let (i, j) = sides(k);
+            let (i, j) = side(k);
             let (i, j) = (corners[i], corners[j]);
             for v in [i, j].into_iter().filter(|&v| v > 0) {
                 entries.add(v - 1, v - 1, *weight);
@@ -118,52 +141,56 @@ pub fn rigid(
             }
         }
     }
-    let system = Factors::new(u.len() - 1, &entries)?;
-    let (mut rounds, mut fell, mut before) = (0, f64::INFINITY, f64::INFINITY);
-    let scale: f64 = shapes.iter().map(|p| twice_area(*p)).sum();
-    while rounds < max_rounds && fell > tolerance {
-        let mut right = vec![C::new(0.0, 0.0); u.len()];
-        let mut energy = 0.0;
-        for ((corners, weights), p) in patch.triangles.iter().zip(&weights).zip(shapes) {
-            let edges = [0, 1, 2].map(|k| {
-                let (i, j) = sides(k);
-                (weights[k], u[corners[j]] - u[corners[i]], p[j] - p[i])
-            });
-            let turn: C = edges.iter().map(|(weight, image, side)| image * side.conj() * *weight).sum();
-            let length = turn.norm();
-            let turn = if length > 0.0 { turn / length } else { C::new(1.0, 0.0) };
-            for (k, (weight, image, side)) in edges.into_iter().enumerate() {
-                let (i, j) = sides(k);
-                let wanted = turn * side;
-                energy += weight * (image - wanted).norm_sqr();
-                right[corners[i]] -= wanted * weight;
-                right[corners[j]] += wanted * weight;
-            }
+    entries
+}
+
+/// The local step: turns each triangle so that its sides come as near to those of its image as a turn can bring them. Gives the right side
+/// of the global system, in which the sides are turned so, and the energy of the map before that system is solved.
+fn turned(patch: &Patch, shapes: &[[C; 3]], weights: &[[f64; 3]], u: &[C]) -> (Vec<C>, f64) {
+    let mut right = vec![C::new(0.0, 0.0); u.len()];
+    let mut energy = 0.0;
+    for ((corners, weights), p) in patch.triangles.iter().zip(weights).zip(shapes) {
+        let edges = [0, 1, 2].map(|k| {
+            let (i, j) = side(k);
+            (weights[k], u[corners[j]] - u[corners[i]], p[j] - p[i])
+        });
+        // In the plane the best turn is the direction of one complex number: no decomposition is needed, and it never mirrors.
+        let turn: C = edges.iter().map(|(weight, image, side)| image * side.conj() * *weight).sum();
+        let length = turn.norm();
+        let turn = if length > 0.0 { turn / length } else { C::new(1.0, 0.0) };
+        for (k, (weight, image, edge)) in edges.into_iter().enumerate() {
+            let (i, j) = side(k);
+            let wanted = turn * edge;
+            energy += weight * (image - wanted).norm_sqr();
+            right[corners[i]] -= wanted * weight;
+            right[corners[j]] += wanted * weight;
         }
-        // The held vertex on the other side: its row is not solved, its column is in the neighbours' rows.
-        for (corners, weights) in patch.triangles.iter().zip(&weights) {
-            for (k, weight) in weights.iter().enumerate() {
-                let (i, j) = sides(k);
-                for (a, b) in [(corners[i], corners[j]), (corners[j], corners[i])] {
-                    if a == 0 {
-                        right[b] += u[0] * *weight;
-                    }
+    }
+    (right, energy)
+}
+
+/// What vertex 0, which is held, has in the rows of its neighbours goes to the right side; [`laplacian`] leaves its column out.
+fn take_held_across(patch: &Patch, weights: &[[f64; 3]], held: C, right: &mut [C]) {
+    for (corners, weights) in patch.triangles.iter().zip(weights) {
+        for (k, weight) in weights.iter().enumerate() {
+            let (i, j) = side(k);
+            for (a, b) in [(corners[i], corners[j]), (corners[j], corners[i])] {
+                if a == 0 {
+                    right[b] += held * *weight;
                 }
             }
         }
-        // Real and imaginary parts are two right sides.
-        let mut parts: Vec<f64> = right[1..].iter().map(|r| r.re).chain(right[1..].iter().map(|r| r.im)).collect();
-        system.solve(&mut parts);
-        let (real, imaginary) = parts.split_at(right.len() - 1);
-        for (k, value) in u[1..].iter_mut().enumerate() {
-            *value = C::new(real[k], imaginary[k]);
-        }
-        // Of the energy, but for what is nothing beside the area of the patch.
-        fell = if before.is_finite() { (before - energy) / energy.max(NOTHING * scale) } else { f64::INFINITY };
-        before = energy;
-        rounds += 1;
     }
-    Some((u, rounds, if fell.is_finite() { fell.max(0.0) } else { 0.0 }))
+}
+
+/// The global step: all vertices but the one held, from a system whose real and imaginary parts are two right sides.
+fn solve(system: &Factors, right: &[C], u: &mut [C]) {
+    let mut parts: Vec<f64> = right[1..].iter().map(|r| r.re).chain(right[1..].iter().map(|r| r.im)).collect();
+    system.solve(&mut parts);
+    let (real, imaginary) = parts.split_at(right.len() - 1);
+    for (k, value) in u[1..].iter_mut().enumerate() {
+        *value = C::new(real[k], imaginary[k]);
+    }
 }
 
 /// A mean square strain below this counts as zero.

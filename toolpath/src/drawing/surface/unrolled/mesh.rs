@@ -2,7 +2,7 @@
 
 use super::energy::{conformal, in_plane, rigid, twice_area};
 use super::error::UnrollError;
-use super::patch::upper_patch;
+use super::patch::{Patch, upper_patch};
 use crate::drawing::polygon::{shapes_area, union};
 use crate::drawing::surface::{Distortion, MeshSurface, Surface, SurfacePoint};
 use nalgebra::{Complex, Matrix2, Point2, Point3, Vector3};
@@ -83,63 +83,20 @@ impl UnrolledMesh {
         let patch = upper_patch(vertices, triangles, pole, options.reach)?;
         let shapes: Vec<[Complex<f64>; 3]> = (0..patch.triangles.len()).map(|t| in_plane(&patch, t)).collect();
         let first = conformal(&patch, &shapes).ok_or(UnrollError::Singular)?;
-        let (mut u, rounds, fell) = match options.kind {
+        let (u, rounds, fell) = match options.kind {
             UnrollKind::Conformal => (first, 0, 0.0),
             UnrollKind::Rigid => {
                 rigid(&patch, &shapes, first, options.max_rounds, options.tolerance).ok_or(UnrollError::Singular)?
             }
         };
+        let mut map = Map { patch: &patch, shapes: &shapes, u };
+        map.centre(triangles[pole].map(|v| vertices[v as usize]), pole, weights)?;
+        map.align();
+        map.check_one_to_one()?;
 
-        // The pole into the origin. The corners of its triangle keep their order, or come as (0, 2, 1).
-        let place = patch.numbers.iter().position(|&t| t == pole).ok_or(UnrollError::NoPole)?;
-        let corners = patch.triangles[place];
-        let middle: Complex<f64> = (0..3)
-            .map(|k| {
-                let at = vertices[triangles[pole][k] as usize];
-                let own = corners.iter().find(|&&v| patch.vertices[v] == at).map_or(u[corners[k]], |&v| u[v]);
-                own * weights[k]
-            })
-            .sum();
-        u.iter_mut().for_each(|value| *value -= middle);
-        // Turned so that it lies on its own view from above as well as it can.
-        let mut turn = Complex::new(0.0, 0.0);
-        for (corners, shape) in patch.triangles.iter().zip(&shapes) {
-            for &v in corners {
-                turn += Complex::new(patch.vertices[v].x, patch.vertices[v].y) * u[v].conj() * twice_area(*shape);
-            }
-        }
-        if turn.norm() > 0.0 {
-            let turn = turn / turn.norm();
-            u.iter_mut().for_each(|value| *value *= turn);
-        }
-
-        let upside_down = |corners: &&[usize; 3]| {
-            let area = twice_area(corners.map(|v| u[v]));
-            area.is_nan() || area <= 0.0
-        };
-        let count = patch.triangles.iter().filter(upside_down).count();
-        if let Some(t) = patch.triangles.iter().position(|corners| upside_down(&corners)) {
-            return Err(UnrollError::Flipped { triangle: patch.numbers[t], count });
-        }
-        let rings: Vec<Vec<[f64; 2]>> =
-            patch.triangles.iter().map(|corners| corners.map(|v| [u[v].re, u[v].im]).to_vec()).collect();
-        let sum: f64 = patch.triangles.iter().map(|corners| 0.5 * twice_area(corners.map(|v| u[v]))).sum();
-        let mm2 = sum - shapes_area(&union(&rings));
-        if mm2 > OVERLAP * sum {
-            return Err(UnrollError::Overlap { mm2 });
-        }
-
-        let mut distortion = Distortion { points: patch.triangles.len(), ..Distortion::default() };
-        let mut area = 0.0;
-        for (corners, shape) in patch.triangles.iter().zip(&shapes) {
-            let here = stretch(corners.map(|v| u[v]), *shape);
-            distortion.largest = distortion.largest.max(here);
-            distortion.mean += here * twice_area(*shape);
-            area += twice_area(*shape);
-        }
-        distortion.mean /= area;
+        let distortion = map.distortion();
         let own: Vec<[u32; 3]> = patch.triangles.iter().map(|corners| corners.map(|v| v as u32)).collect();
-        let plane: Vec<Point3<f64>> = u.iter().map(|value| Point3::new(value.re, value.im, 0.0)).collect();
+        let plane: Vec<Point3<f64>> = map.u.iter().map(|value| Point3::new(value.re, value.im, 0.0)).collect();
         let solid = MeshSurface::new(&patch.vertices, &own)?;
         let flat = MeshSurface::new(&plane, &own)?;
         Ok(UnrolledMesh { whole, solid, flat, distortion, rounds, fell })
@@ -153,6 +110,85 @@ impl UnrolledMesh {
     /// Rounds of the iteration, and by what share the energy fell in the last one.
     pub fn rounds(&self) -> (u32, f64) {
         (self.rounds, self.fell)
+    }
+}
+
+/// A patch and its image in the plane.
+struct Map<'a> {
+    patch: &'a Patch,
+    /// Each triangle in a plane of its own, as long and as wide as on the mesh.
+    shapes: &'a [[Complex<f64>; 3]],
+    /// Of each vertex.
+    u: Vec<Complex<f64>>,
+}
+
+impl Map<'_> {
+    /// The image of a triangle.
+    fn image(&self, corners: &[usize; 3]) -> [Complex<f64>; 3] {
+        corners.map(|v| self.u[v])
+    }
+
+    /// Moves the point under the axis into the origin: that with these weights in the triangle `pole` of the mesh, whose corners are `at`.
+    fn centre(&mut self, at: [Point3<f64>; 3], pole: usize, weights: [f64; 3]) -> Result<(), UnrollError> {
+        let place = self.patch.numbers.iter().position(|&t| t == pole).ok_or(UnrollError::NoPole)?;
+        // The corners of the patch's triangle keep the order of the mesh, or come as (0, 2, 1).
+        let corners = self.patch.triangles[place];
+        let middle: Complex<f64> = (0..3)
+            .map(|k| {
+                let own = corners.iter().find(|&&v| self.patch.vertices[v] == at[k]);
+                self.u[own.copied().unwrap_or(corners[k])] * weights[k]
+            })
+            .sum();
+        self.u.iter_mut().for_each(|value| *value -= middle);
+        Ok(())
+    }
+
+    /// Turns the image so that it lies on its own view from above as well as it can: both maps leave the turn free.
+    fn align(&mut self) {
+        let mut turn = Complex::new(0.0, 0.0);
+        for (corners, shape) in self.patch.triangles.iter().zip(self.shapes) {
+            for &v in corners {
+                let from_above = Complex::new(self.patch.vertices[v].x, self.patch.vertices[v].y);
+                turn += from_above * self.u[v].conj() * twice_area(*shape);
+            }
+        }
+        if turn.norm() > 0.0 {
+            let turn = turn / turn.norm();
+            self.u.iter_mut().for_each(|value| *value *= turn);
+        }
+    }
+
+    /// Refuses an image that lies on itself: a place of the drawing would have two places on the mesh. Triangles upside down are a fold; without
+    /// a fold the image may still come round onto itself, which shows in its area.
+    fn check_one_to_one(&self) -> Result<(), UnrollError> {
+        let upside_down = |corners: &&[usize; 3]| {
+            let area = twice_area(self.image(corners));
+            area.is_nan() || area <= 0.0
+        };
+        let triangles = &self.patch.triangles;
+        let count = triangles.iter().filter(upside_down).count();
+        if let Some(t) = triangles.iter().position(|corners| upside_down(&corners)) {
+            return Err(UnrollError::Flipped { triangle: self.patch.numbers[t], count });
+        }
+        let ring = |corners: &[usize; 3]| self.image(corners).map(|u| [u.re, u.im]).to_vec();
+        let rings: Vec<Vec<[f64; 2]>> = triangles.iter().map(ring).collect();
+        let sum: f64 = triangles.iter().map(|corners| 0.5 * twice_area(self.image(corners))).sum();
+        let mm2 = sum - shapes_area(&union(&rings));
+        if mm2 > OVERLAP * sum { Err(UnrollError::Overlap { mm2 }) } else { Ok(()) }
+    }
+
+    /// How much triangles are stretched; the mean is by their area on the mesh.
+    fn distortion(&self) -> Distortion {
+        let mut distortion = Distortion { points: self.patch.triangles.len(), ..Distortion::default() };
+        let mut area = 0.0;
+        for (corners, shape) in self.patch.triangles.iter().zip(self.shapes) {
+            let here = stretch(self.image(corners), *shape);
+            distortion.largest = distortion.largest.max(here);
+            distortion.mean += here * twice_area(*shape);
+            area += twice_area(*shape);
+        }
+        distortion.mean /= area;
+        distortion
     }
 }
 

@@ -1,0 +1,54 @@
+//! The G-code flavour of the machine file: by its name, or from a file.
+
+use super::declared::Settings;
+use crate::input;
+use crate::outcome::Failure;
+use curvlay_toolpath::gcode::flavour::{Direction, Flavour};
+use std::path::Path;
+
+impl Settings {
+    /// The flavour that is asked for, if one is: built in, or from a JSON file.
+    ///
+    /// # Errors
+    /// A line with the name or the file, and what is wrong: a name that is not known, a file that cannot be read, a field that cannot be; a flavour that takes
+    /// moves of axes, since what is planned here are tips and directions.
+    pub fn load_flavour(&self) -> Result<Option<Flavour>, Failure> {
+        let Some(text) = &self.flavour else { return Ok(None) };
+        let flavour = match Flavour::built_in(text) {
+            Some(flavour) => flavour,
+            None if is_file(text) => from_file(Path::new(text))?,
+            None => {
+                let names = Flavour::names().join(", ");
+                let why = format!("`{text}` is no G-code flavour: there are {names}; or give a JSON file (name.json)");
+                return Err(Failure::of_arguments(why));
+            }
+        };
+        if flavour.direction == Direction::Axes {
+            let of_part = Flavour::names().iter().filter(|name| takes_directions(name)).copied();
+            let names = of_part.collect::<Vec<_>>().join(", ");
+            let why = format!(
+                "the flavour `{}` takes moves of a machine's axes, and tips and directions are what is planned: {names} take those; --rotary writes axes of a table",
+                flavour.name
+            );
+            return Err(Failure::of_arguments(why));
+        }
+        Ok(Some(flavour))
+    }
+}
+
+/// Whether the text is a file and no name.
+pub(super) fn is_file(text: &str) -> bool {
+    text.contains(['/', '\\']) || Path::new(text).extension().is_some()
+}
+
+fn takes_directions(name: &str) -> bool {
+    Flavour::built_in(name).is_some_and(|flavour| flavour.direction != Direction::Axes)
+}
+
+fn from_file(path: &Path) -> Result<Flavour, Failure> {
+    let text = input::read_text(path, input::MAX_SETTINGS_BYTES)?;
+    let failed = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
+    let flavour: Flavour = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
+    flavour.check().map_err(|error| failed(error.to_string()))?;
+    Ok(flavour)
+}

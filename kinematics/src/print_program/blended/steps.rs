@@ -1,0 +1,131 @@
+//! The steps of a print as moves with blends.
+
+use super::cruise::cruise;
+use super::lines::{self, Sample, chord, part_in_hand, sampled};
+use super::options::{BlendOptions, BlendedSegment};
+use super::span::spans;
+use super::ways;
+use crate::print_program::PrintKnot;
+use crate::print_program::stream::by_joints;
+use crate::program::{ExternalAxes, Goal, Move, Speed, Step, Zone};
+use crate::workcell::Workcell;
+
+/// The steps of a print as few moves with blends: by joints to the first sample, then each segment from rest to rest.
+///
+/// A segment that prints is lines with the extruder on and the speed of the filament of the plan's bead; all others are moves by joints. Where the path
+/// turns back, and where the filament starts or stops within a segment, the tool stops. A segment of less than two samples, or with a posture beyond the limits of a table, gives no step.
+///
+/// For an arm without a table these steps are a URScript of `movep` and `movej`
+/// ([`Straight::MoveP`](crate::program::Straight::MoveP), [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell)).
+///
+/// # Cost
+/// A forward kinematics a sample, and up to some tens of interpolations; memory for one segment.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::print_program::{BlendOptions, BlendedSegment, PrintKnot, print_blended};
+/// use curvlay_kinematics::program::{Goal, Move, Step};
+/// use curvlay_kinematics::workcell::AnyWorkcell;
+/// # #[cfg(feature = "serde")] {
+/// let file = include_str!("../../../../examples/cells/ur3.json");
+/// let AnyWorkcell::Six(workcell) = AnyWorkcell::from_json(file.as_bytes())? else { return Err("it has a table".into()) };
+/// // A second along a bow of 17 degrees at the shoulder, 200 samples.
+/// let at = |k: usize| {
+///     let time_s = 0.005 * k as f64;
+///     PrintKnot { time_s, joints: [0.3 * time_s, -1.0, -1.5, 0.3, 0.2, 0.0], filament_mm: 2.0 * time_s }
+/// };
+/// let bow = BlendedSegment { samples: (0..=200).map(at).collect(), prints: true };
+/// let steps: Vec<Step> = print_blended(&workcell, [bow], BlendOptions::default()).collect();
+/// let lines = steps.iter().filter(|step| matches!(step, Step::Move(Move { goal: Goal::Line(_), .. }))).count();
+/// assert!((4..12).contains(&lines), "{lines}");
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn print_blended<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
+    workcell: &'a W,
+    segments: impl IntoIterator<Item = BlendedSegment<N>> + 'a,
+    options: BlendOptions,
+) -> impl Iterator<Item = Step> + 'a {
+    let mut has_begun = false;
+    segments.into_iter().flat_map(move |segment| {
+        let Some(samples) = sampled(workcell, &segment.samples).filter(|samples| samples.len() > 1) else {
+            return Vec::new();
+        };
+        let mut steps = Vec::new();
+        if !std::mem::replace(&mut has_begun, true) {
+            let first = workcell.controller_pose(&segment.samples[0].joints);
+            steps.extend(first.map(|place| by_joints(place.joints, place.table)));
+        }
+        match segment.prints {
+            true => along(&samples, part_in_hand(workcell), &options, &mut steps),
+            false => travel(workcell, &segment.samples, &samples, &options, &mut steps),
+        }
+        steps
+    })
+}
+
+/// How many ends of a move are at rest: a move begins at rest where the one before stops.
+fn ramps(zones: &[Zone], k: usize) -> u8 {
+    let stops = |zone: &Zone| *zone == Zone::Stop;
+    u8::from(k == 0 || stops(&zones[k - 1])) + u8::from(stops(&zones[k]))
+}
+
+/// The zone at the end of each move: a corner between two, a stop at last.
+fn zones(ends: &[usize], corner: impl Fn([usize; 3]) -> Zone) -> Vec<Zone> {
+    ends.windows(3).map(|three| corner([three[0], three[1], three[2]])).chain([Zone::Stop]).collect()
+}
+
+/// A segment that prints.
+fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut Vec<Step>) {
+    let ends = spans(samples.len(), |from, to| lines::fits(samples, in_hand, [from, to], options));
+    let lays = |from: usize, to: usize| samples[to].filament_mm > samples[from].filament_mm;
+    let zones = zones(&ends, |three| {
+        // A signal that starts or stops the filament comes at rest.
+        let [from, at, to] = three;
+        if lays(from, at) == lays(at, to) { lines::corner(samples, in_hand, three, options) } else { Zone::Stop }
+    });
+    steps.push(Step::Extruder(true));
+    let mut fed: Option<f64> = None;
+    for (k, pair) in ends.windows(2).enumerate() {
+        let (from, to) = (&samples[pair[0]], &samples[pair[1]]);
+        let seconds = to.time_s - from.time_s;
+        let [way, tip_way] = chord(samples, [pair[0], pair[1]]);
+        // A TCP that only turns is as slow as its tip.
+        let speed_at = |way: f64| cruise(way, seconds, ramps(&zones, k), options.acceleration_mm_s2);
+        let share = if way > 0.0 { speed_at(way) / way } else { 1.0 / seconds };
+        let filament = (to.filament_mm - from.filament_mm).max(0.0) * share;
+        if fed.is_none_or(|fed| (filament - fed).abs() > options.same_speed * fed) {
+            steps.push(Step::FilamentSpeed(filament));
+            fed = Some(filament);
+        }
+        let speed = Speed { mm_s: (tip_way * share).max(options.min_speed_mm_s), ..Speed::default() };
+        steps.push(Step::Move(Move { goal: Goal::Line(to.target), table: None, speed, zone: zones[k] }));
+    }
+    steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
+}
+
+/// A segment that does not.
+fn travel<const N: usize, const F: usize, W: Workcell<N, F>>(
+    workcell: &W,
+    knots: &[PrintKnot<N>],
+    samples: &[Sample],
+    options: &BlendOptions,
+    steps: &mut Vec<Step>,
+) {
+    let turns = ways::turns(knots);
+    let ends = spans(knots.len(), |from, to| ways::fits(knots, &turns, [from, to], options));
+    let zones = zones(&ends, |[from, at, to]| {
+        let [before, behind] = [[from, at], [at, to]].map(|pair| chord(samples, pair)[0]);
+        ways::corner([from, at, to].map(|k| &knots[k].joints), [before, behind], options)
+    });
+    for (k, pair) in ends.windows(2).enumerate() {
+        let (from, to) = (&knots[pair[0]], &knots[pair[1]]);
+        let way = ways::turn(&from.joints, &to.joints);
+        // A posture that is held needs no move.
+        let Some(place) = workcell.controller_pose(&to.joints).filter(|_| way > 0.0) else { continue };
+        let rad_s = cruise(way, to.time_s - from.time_s, ramps(&zones, k), options.acceleration_rad_s2);
+        let speed = Speed { rad_s: rad_s.max(options.min_speed_rad_s), ..Speed::default() };
+        let table = place.table.map(ExternalAxes::from);
+        steps.push(Step::Move(Move { goal: Goal::Joints(place.joints), table, speed, zone: zones[k] }));
+    }
+}

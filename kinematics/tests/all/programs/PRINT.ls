@@ -1,0 +1,57 @@
+/PROG  PRINT
+/ATTR
+OWNER		= MNEDITOR;
+COMMENT		= "curvlay";
+PROG_SIZE	= 0;
+CREATE		= DATE 26-01-01  TIME 00:00:00;
+MODIFIED	= DATE 26-01-01  TIME 00:00:00;
+FILE_NAME	= ;
+VERSION		= 0;
+LINE_COUNT	= 34;
+MEMORY_SIZE	= 0;
+PROTECT		= READ_WRITE;
+TCD:  STACK_SIZE	= 0,
+      TASK_PRIORITY	= 50,
+      TIME_SLICE	= 0,
+      BUSY_LAMP_OFF	= 0,
+      ABORT_REQUEST	= 0,
+      PAUSE_REQUEST	= 0;
+DEFAULT_GROUP	= 1,*,*,*,*;
+CONTROL_CODE	= 00000000 00000000;
+/MN
+   1:  !FILAMENT_MM_S 20 ;
+   2:  !FILAMENT_COUNTS 2000 ;
+   3:  !AXIS_DEG_S 180 ;
+   4:  !AO_FILAMENT 1 ;
+   5:  !DO_EXTRUDER 1 ;
+   6:  !DO_ROLLER 2 ;
+   7:  !DO_CONDUCTOR 3 ;
+   8:  !DO_TAPE_HEAT 4 ;
+   9:  !DO_TAPE_FEED 5 ;
+  10:  !DO_TAPE_PRESS 6 ;
+  11:  !DO_TAPE_CUT 7 ;
+  12:  !DI_TOOL_READY 1 ;
+  13:  !DI_TAPE_HOT 2 ;
+  14:  !DI_TAPE_FED 3 ;
+  15:  PR[99]=LPOS ;
+  16:  PR[99,1]=0 ;
+  17:  PR[99,2]=(-12.5) ;
+  18:  PR[99,3]=150 ;
+  19:  PR[99,4]=30 ;
+  20:  PR[99,5]=0 ;
+  21:  PR[99,6]=(-90) ;
+  22:  UTOOL[1]=PR[99] ;
+  23:  PR[99,1]=600 ;
+  24:  PR[99,2]=(-50) ;
+  25:  PR[99,3]=20 ;
+  26:  PR[99,4]=0 ;
+  27:  PR[99,5]=0 ;
+  28:  PR[99,6]=0 ;
+  29:  UFRAME[1]=PR[99] ;
+  30:  AO[1]=0 ;
+  31:  DO[1]=OFF ;
+  32:  CALL PRINT_001 ;
+  33:  AO[1]=0 ;
+  34:  DO[1]=OFF ;
+/POS
+/END

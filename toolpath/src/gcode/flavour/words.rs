@@ -1,0 +1,27 @@
+//! Words with numbers, signs and points as a flavour wants them.
+
+use super::data::Flavour;
+use crate::gcode::text::Text;
+
+/// A coordinate: ` X+10.5`.
+pub(super) fn push(text: &mut Text, word: &str, count: i64, decimals: usize, flavour: &Flavour) {
+    text.word(" ").word(word);
+    if flavour.numbers.plus && count >= 0 {
+        text.word("+");
+    }
+    digits(text, count, decimals, flavour);
+}
+
+/// A number without a sign of its own: ` F1200`.
+pub(super) fn push_plain(text: &mut Text, word: &str, count: i64, decimals: usize, flavour: &Flavour) {
+    text.word(" ").word(word);
+    digits(text, count, decimals, flavour);
+}
+
+fn digits(text: &mut Text, count: i64, decimals: usize, flavour: &Flavour) {
+    let start = text.0.len();
+    text.steps(count, decimals);
+    if flavour.numbers.point && !text.0[start..].contains(&b'.') {
+        text.word(".");
+    }
+}
