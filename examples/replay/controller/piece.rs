@@ -161,35 +161,35 @@ fn of_segment(segment: &Segment, share: f64, machine: &Machine, frames: Option<&
 pub fn pace(shape: &Shape, speeds: &Axes, accelerations: &Axes, tip: [f64; 2], most: f64) -> [f64; 2] {
     let (mut top, mut rate) = (most, f64::INFINITY);
     let [tip_speed, tip_acceleration] = tip;
-    let mut hold = |rates: &Axes, tip: Option<f64>| {
+    let mut hold = |rates: &Axes, tip: Option<f64>, share: f64| {
         for k in 0..MAX_AXES {
             if rates[k] > 0.0 {
                 top = top.min(speeds[k] / rates[k]);
-                rate = rate.min(accelerations[k] / rates[k]);
+                rate = rate.min(share * accelerations[k] / rates[k]);
             }
         }
         if let Some(tip) = tip.filter(|speed| *speed > 0.0) {
             top = top.min(tip_speed / tip);
-            rate = rate.min(tip_acceleration / tip);
+            rate = rate.min(share * tip_acceleration / tip);
         }
     };
     match shape {
-        Shape::Straight { segment, .. } => hold(&segment.max_rates, segment.tip().map(|tip| tip.norm())),
+        Shape::Straight { segment, .. } => hold(&segment.max_rates, segment.tip().map(|tip| tip.norm()), 1.0),
         Shape::Blend { before, after, reach } => {
-            hold(&before.rates[1].map(f64::abs), before.tip().map(|tip| tip.norm()));
-            hold(&after.rates[0].map(f64::abs), after.tip().map(|tip| tip.norm()));
+            hold(&before.rates[1].map(f64::abs), before.tip().map(|tip| tip.norm()), 1.0 - CORNER_SHARE);
+            hold(&after.rates[0].map(f64::abs), after.tip().map(|tip| tip.norm()), 1.0 - CORNER_SHARE);
             // Along the parabola the speed changes evenly: the square of the share bounds that.
             let mut square = f64::INFINITY;
             for (k, acceleration) in accelerations.iter().enumerate() {
                 let change = (after.rates[0][k] - before.rates[1][k]).abs();
                 if change > 0.0 {
-                    square = square.min(2.0 * reach * acceleration / change);
+                    square = square.min(CORNER_SHARE * 2.0 * reach * acceleration / change);
                 }
             }
             if let (Some(first), Some(second)) = (before.tip(), after.tip()) {
                 let change = (second - first).norm();
                 if change > 0.0 {
-                    square = square.min(2.0 * reach * tip_acceleration / change);
+                    square = square.min(CORNER_SHARE * 2.0 * reach * tip_acceleration / change);
                 }
             }
             top = top.min(square.sqrt());
@@ -198,5 +198,8 @@ pub fn pace(shape: &Shape, speeds: &Axes, accelerations: &Axes, tip: [f64; 2], m
     [top, rate.min(MAX_RATE)]
 }
 
+/// In a blend the direction changes, and the speed may as well: the share of an acceleration that is left to the first of both. With all of it the corner is at its
+/// fastest, and speed can only change beside it.
+const CORNER_SHARE: f64 = 0.7;
 /// A change of speed that is as good as a jump, in shares a second.
 const MAX_RATE: f64 = 1e9;

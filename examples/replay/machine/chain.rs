@@ -12,10 +12,10 @@ pub struct Chain {
     steps: [Frame; 6],
     /// From the last joint to the flange.
     end: Frame,
-    /// The angle about an axis is `sign * joint - offset`; for axis 3 with `coupling` times joint 2 added to the joint.
+    /// The angle about an axis is `sign * joint - offset`; of joint 3, `coupling` times joint 2 is added to the joint first.
+    coupling: f64,
     signs: [f64; 6],
     offsets: [f64; 6],
-    coupling: f64,
 }
 
 /// The frame before each joint, turned by it, and the flange, in the base.
@@ -38,13 +38,8 @@ impl Chain {
     /// `None` for a kind of arm that is not known here.
     pub fn new(model: &ArmModel, turned: &[f64; 6], moved: &[Frame; 5]) -> Option<Self> {
         let offsets = std::array::from_fn(|k| model.offsets[k] - turned[k]);
-        let mut chain = Chain {
-            steps: [Frame::identity(); 6],
-            end: Frame::identity(),
-            signs: model.signs,
-            offsets,
-            coupling: model.j23_factor,
-        };
+        let (signs, coupling) = (model.signs, model.j23_factor);
+        let mut chain = Chain { steps: [Frame::identity(); 6], end: Frame::identity(), coupling, signs, offsets };
         match &model.geometry {
             Geometry::Ur(table) => {
                 // T = Rz(q) Tz(d) Tx(a) Rx(alpha)
@@ -92,8 +87,8 @@ impl Chain {
         let mut links = Links { joints: [Frame::identity(); 6], flange: Frame::identity() };
         let mut frame = Frame::identity();
         for (k, joint) in joints.iter().enumerate().take(6) {
-            let joint = if k == 2 { joint + self.coupling * joints[1] } else { *joint };
-            let angle = self.signs[k] * joint - self.offsets[k];
+            let coupled = if k == 2 { self.coupling * joints[1] } else { 0.0 };
+            let angle = self.signs[k] * (joint + coupled) - self.offsets[k];
             frame = about_z(&frame.then(&self.steps[k]), angle);
             links.joints[k] = frame;
         }
@@ -103,12 +98,12 @@ impl Chain {
 
     /// How the flange moves with each joint: millimetres and radians a radian.
     pub fn rates(&self, links: &Links) -> [[Vector3<f64>; 2]; 6] {
-        let mut rates: [[Vector3<f64>; 2]; 6] = std::array::from_fn(|k| {
+        let mut rates = [0, 1, 2, 3, 4, 5].map(|k| {
             let axis = links.joints[k].turn.column(2) * self.signs[k];
             [axis.cross(&(links.flange.at - links.joints[k].at)), axis]
         });
         let third = rates[2];
-        rates[1].iter_mut().zip(third).for_each(|(rate, third)| *rate += third * self.coupling);
+        (0..2).for_each(|k| rates[1][k] += self.coupling * third[k]);
         rates
     }
 }
@@ -137,7 +132,8 @@ mod tests {
         /// The arms of the library have another derivation: closed forms of rotation and wrist.
         #[test]
         fn the_flange_is_where_the_library_has_it(joints in prop::array::uniform6(-3.0f64..3.0)) {
-            for (name, model) in robots::CATALOGUE.iter().map(|arm| (arm.name, &arm.model)) {
+            for arm in &robots::CATALOGUE {
+                let (name, model) = (arm.name, &arm.model);
                 let flange = plain(model).at(&joints).flange;
                 let expected = Frame::from(&Arm::new(model).unwrap().forward(&joints));
                 prop_assert!((flange.at - expected.at).norm() < 1e-9 && (flange.turn - expected.turn).norm() < 1e-12, "{name}");
@@ -147,7 +143,8 @@ mod tests {
         #[test]
         fn rates_are_differences(joints in prop::array::uniform6(-3.0f64..3.0)) {
             const STEP: f64 = 1e-6;
-            for (name, model) in robots::CATALOGUE.iter().map(|arm| (arm.name, &arm.model)) {
+            for arm in &robots::CATALOGUE {
+                let (name, model) = (arm.name, &arm.model);
                 let chain = plain(model);
                 let rates = chain.rates(&chain.at(&joints));
                 for k in 0..6 {
@@ -170,7 +167,8 @@ mod tests {
         ) {
             let rpy = [0.3 * off[0], off[1], off[2]];
             let at = [100.0 * off[3], 100.0 * off[4], 100.0 * off[5]];
-            for (name, model) in robots::CATALOGUE.iter().map(|arm| (arm.name, &arm.model)) {
+            for arm in &robots::CATALOGUE {
+                let (name, model) = (arm.name, &arm.model);
                 let isometry = nalgebra::Isometry3::from_parts(
                     nalgebra::Translation3::from(at),
                     nalgebra::UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]),

@@ -13,7 +13,7 @@ use nalgebra::{Point3, Vector3};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RobotFault {
     /// A name that stands for no arm and no table.
-    #[error("{field}: `{name}` is not known (known: {known}); give its lengths instead")]
+    #[error("{field}: `{name}` is not known (names like it: {known}); give its lengths instead")]
     Name {
         /// The field.
         field: &'static str,
@@ -45,7 +45,7 @@ pub enum RobotFault {
         value: f64,
     },
     /// A kind of arm that is not known here.
-    #[error("arm.geometry: such arms cannot be replayed yet")]
+    #[error("arm.geometry: such arms, and URDF, cannot be replayed yet: give its lengths or its name")]
     Arm,
     /// A part in the hand, and a table.
     #[error("held: an arm that holds the part has no positioner")]
@@ -121,26 +121,26 @@ fn nozzle_of(model: &NozzleModel) -> Result<Frame, RobotFault> {
 }
 
 fn arm_of(geometry: &ArmGeometry) -> Result<ArmModel, RobotFault> {
-    let of = |geometry, field, (offsets_deg, signs, j23_factor): (&[f64; 6], &[f64; 6], f64)| {
-        each(field, offsets_deg)?;
-        each(field, signs)?;
-        each(field, &[j23_factor])?;
-        let offsets = offsets_deg.map(f64::to_radians);
-        Ok(ArmModel { geometry, offsets, signs: *signs, j23_factor, limits: JointLimits::NONE })
-    };
+    let free = ArmModel { limits: JointLimits::NONE, ..robots::UR3 };
     match geometry {
         ArmGeometry::Named(name) => {
-            let known = || robots::CATALOGUE.iter().map(|arm| arm.name).collect::<Vec<_>>().join(", ");
-            let unknown = || RobotFault::Name { field: "arm.geometry.named", name: name.clone(), known: known() };
+            let unknown = || RobotFault::Name {
+                field: "arm.geometry.named",
+                name: name.clone(),
+                known: robots::near(name).join(", "),
+            };
             robots::find(name).map(|arm| arm.model).ok_or_else(unknown)
         }
-        // Whoever reads the file puts the lengths of the URDF in its place.
         ArmGeometry::Urdf(_) => Err(RobotFault::Arm),
         ArmGeometry::Ur { d_mm, upper_arm_mm, forearm_mm, offsets_deg, signs, j23_factor } => {
             each("arm.geometry.ur.d_mm", d_mm)?;
             each("arm.geometry.ur", &[*upper_arm_mm, *forearm_mm])?;
             let geometry = Geometry::Ur(DhTable::ur(*d_mm, *upper_arm_mm, *forearm_mm));
-            of(geometry, "arm.geometry.ur", (offsets_deg, signs, *j23_factor))
+            each("arm.geometry.ur.offsets_deg", offsets_deg)?;
+            each("arm.geometry.ur.signs", signs)?;
+            each("arm.geometry.ur.j23_factor", &[*j23_factor])?;
+            let offsets = offsets_deg.map(f64::to_radians);
+            Ok(ArmModel { geometry, offsets, signs: *signs, j23_factor: *j23_factor, ..free })
         }
         ArmGeometry::OrthoParallel {
             a1_mm,
@@ -154,10 +154,14 @@ fn arm_of(geometry: &ArmGeometry) -> Result<ArmModel, RobotFault> {
             signs,
             j23_factor,
         } => {
+            each("arm.geometry.ortho_parallel.j23_factor", &[*j23_factor])?;
             let (a1, a2, b, c1, c2, c3, c4) = (*a1_mm, *a2_mm, *b_mm, *c1_mm, *c2_mm, *c3_mm, *c4_mm);
             each("arm.geometry.ortho_parallel", &[a1, a2, b, c1, c2, c3, c4])?;
+            each("arm.geometry.ortho_parallel.offsets_deg", offsets_deg)?;
+            each("arm.geometry.ortho_parallel.signs", signs)?;
             let geometry = Geometry::Ortho(OrthoLengths { a1, a2, b, c1, c2, c3, c4 });
-            of(geometry, "arm.geometry.ortho_parallel", (offsets_deg, signs, *j23_factor))
+            let offsets = offsets_deg.map(f64::to_radians);
+            Ok(ArmModel { geometry, offsets, signs: *signs, j23_factor: *j23_factor, ..free })
         }
     }
 }

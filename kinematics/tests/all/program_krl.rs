@@ -269,6 +269,7 @@ fn kr6() -> Arm {
         geometry: Geometry::Ortho(lengths),
         offsets: [0.0, -FRAC_PI_2, 0.0, 0.0, 0.0, 0.0],
         signs: [-1.0, 1.0, 1.0, -1.0, 1.0, -1.0],
+        j23_factor: 0.0,
         limits: JointLimits::NONE,
     })
     .unwrap()
