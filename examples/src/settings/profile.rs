@@ -30,12 +30,11 @@ impl Profile {
         // The name of an arm has no folder.
         let is_workcell =
             |given: &str| folder.join(given).exists() || curvlay_kinematics::robots::find(given).is_none();
-        let is_file: [(&str, &dyn Fn(&str) -> bool); 2] = [("workcell", &is_workcell), ("flavour", &is_file)];
-        for (name, is_path) in is_file {
-            if let Some(Value::String(file)) =
-                profile.given.get_mut(name).filter(|file| file.as_str().is_some_and(is_path))
-            {
-                *file = folder.join(&file).display().to_string();
+        for name in ["workcell", "flavour"] {
+            let Some(Value::String(given)) = profile.given.get_mut(name) else { continue };
+            let is_path = if name == "workcell" { is_workcell(given) } else { is_file(given) };
+            if is_path {
+                *given = folder.join(&given).display().to_string();
             }
         }
         Ok(profile)

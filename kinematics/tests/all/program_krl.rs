@@ -12,12 +12,12 @@ fn to_krl(steps: &[Step], options: &KrlOptions) -> Result<(Files, KrlWritten), W
     written_files(|open| write_krl(steps.iter().copied(), options, open))
 }
 
-fn read<'a>(
-    files: &'a Files,
-    name: &str,
-) -> Result<KrlProgram<Cursor<&'a str>, impl FnMut(&str) -> io::Result<Cursor<&'a str>>>, ReadError> {
-    let file =
-        |name: &str| files.get(name).map(|text| Cursor::new(text.as_str())).ok_or(io::ErrorKind::NotFound.into());
+/// What opens a file of a program.
+type Open<'a> = Box<dyn FnMut(&str) -> io::Result<Cursor<&'a str>> + 'a>;
+
+fn read<'a>(files: &'a Files, name: &str) -> Result<KrlProgram<Cursor<&'a str>, Open<'a>>, ReadError> {
+    let file: Open<'a> =
+        Box::new(|name| files.get(name).map(|text| Cursor::new(text.as_str())).ok_or(io::ErrorKind::NotFound.into()));
     let [dat, src] = ["dat", "src"].map(|ending| files[&format!("{name}.{ending}")].as_bytes());
     read_krl(dat, src, file)
 }

@@ -11,12 +11,12 @@ fn to_tp(steps: &[Step], options: &TpOptions) -> Result<(Files, TpWritten), Writ
     written_files(|open| write_tp(steps.iter().copied(), options, open))
 }
 
-fn read<'a>(
-    files: &'a Files,
-    name: &str,
-) -> Result<TpProgram<Cursor<&'a str>, impl FnMut(&str) -> io::Result<Cursor<&'a str>>>, ReadError> {
-    let file =
-        |name: &str| files.get(name).map(|text| Cursor::new(text.as_str())).ok_or(io::ErrorKind::NotFound.into());
+/// What opens a file of a program.
+type Open<'a> = Box<dyn FnMut(&str) -> io::Result<Cursor<&'a str>> + 'a>;
+
+fn read<'a>(files: &'a Files, name: &str) -> Result<TpProgram<Cursor<&'a str>, Open<'a>>, ReadError> {
+    let file: Open<'a> =
+        Box::new(|name| files.get(name).map(|text| Cursor::new(text.as_str())).ok_or(io::ErrorKind::NotFound.into()));
     read_tp(files[&format!("{name}.ls")].as_bytes(), file)
 }
 
