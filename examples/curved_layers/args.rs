@@ -5,6 +5,7 @@ use crate::motion::args::MotionArgs;
 use crate::ranges::{self, Pick};
 use clap::{Command, CommandFactory, Parser, ValueEnum};
 use curvlay_examples::args::{AllowArgs, Common, Failure, GrowArgs, MeshArgs, VoxelArgs, above_zero, from_zero};
+use curvlay_examples::five_axis::FiveAxisPrinter;
 use curvlay_examples::orienting::OrientArgs;
 use curvlay_examples::settings::{self, Settings};
 use curvlay_toolpath::gcode::flavour::Flavour;
@@ -96,6 +97,13 @@ pub struct Args {
     /// Also writes a machine file for a table that tilts (B) and turns (C)
     #[arg(long, help_heading = settings::FILES)]
     pub rotary: bool,
+    /// Also writes a program for the axes of a five-axis machine, whose file names the flavour (docs/formats/machines.md; five are in
+    /// examples/machines)
+    #[arg(long, value_name = "FILE", help_heading = settings::FILES)]
+    pub machine: Option<PathBuf>,
+    /// The machine that this file describes.
+    #[arg(skip)]
+    pub printer: Option<FiveAxisPrinter>,
     /// Computes what the report compares with: surfaces of plain hop counts, nozzle directions without any filter
     #[arg(long, help_heading = "Run")]
     pub compare: bool,

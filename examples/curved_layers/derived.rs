@@ -12,6 +12,7 @@ use crate::surfaces::{SurfaceOptions, SurfacesRun};
 use clap::ArgMatches;
 use curvlay_examples::args::{Failure, GrowArgs, Part, is_typed, typed_name};
 use curvlay_examples::bars::Bars;
+use curvlay_examples::five_axis::FiveAxisPrinter;
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::orienting::{laid, search};
 use curvlay_examples::settings::{BEAD_MM, LAYER_HEIGHT_MM, Profile};
@@ -58,6 +59,7 @@ impl Args {
             self.motion.workcell = self.settings.workcell.take();
         }
         self.loaded_flavour = self.settings.load_flavour()?;
+        self.printer = self.machine.as_deref().map(FiveAxisPrinter::load).transpose()?;
         self.check_machine_file(matches)?;
         Ok(self)
     }
@@ -82,9 +84,13 @@ impl Args {
 
     /// The files that it reads.
     pub fn files(&self) -> impl Iterator<Item = Option<&Path>> {
-        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.mould, &self.base, &self.directions]
-            .map(Option::as_deref);
-        one.into_iter().chain([self.mesh.path()]).chain(self.merge.iter().map(|path| Some(path.as_path())))
+        let one = [&self.resume, &self.profile, &self.motion.workcell, &self.machine];
+        let guides = [&self.mould, &self.base, &self.directions];
+        one.into_iter()
+            .chain(guides)
+            .map(Option::as_deref)
+            .chain([self.mesh.path()])
+            .chain(self.merge.iter().map(|path| Some(path.as_path())))
     }
 
     /// Whether it is said what cells there are, in one way or another: then layers and beads follow from them.

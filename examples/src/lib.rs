@@ -9,6 +9,7 @@ pub mod clock;
 pub mod count;
 mod finding;
 pub mod findings;
+pub mod five_axis;
 mod html;
 pub mod input;
 pub mod mesh;

@@ -1,5 +1,6 @@
 //! What has been written, for what refers to it.
 
+use super::axes::AxisProgram;
 use super::programs::Programs;
 use curvlay_toolpath::gcode::Written;
 
@@ -7,6 +8,7 @@ use curvlay_toolpath::gcode::Written;
 #[derive(Default)]
 pub struct Files {
     pub gcode: Option<Written>,
+    pub axes: Option<AxisProgram>,
     pub programs: Option<Programs>,
 }
 

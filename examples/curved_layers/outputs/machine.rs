@@ -1,5 +1,7 @@
 //! Of the machine file: `toolpath.gcode`, figures, and how one path turns.
 
+use super::axes;
+use super::files::Files;
 use super::pictures;
 use super::shown::{borrowed, seconds};
 use crate::args::{Args, Extra, failure};
@@ -31,17 +33,24 @@ use std::path::Path;
 
 const MACHINE_FILE: &str = "toolpath.gcode";
 
-/// Writes the tool paths and the machine files. The second one, for a table that tilts and turns, only where its axes reach all directions.
-pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder) -> Result<Written, Failure> {
+/// Writes the tool paths and the machine files; those of machines with rotary axes only where these reach all directions.
+pub fn products(
+    args: &Args,
+    name: &str,
+    run: &MachineRun,
+    (files, folder): (&mut Files, &OutputFolder),
+) -> Result<(), Failure> {
+    axes::check(args, run)?;
     let templates = args.settings.templates();
     let options = args.settings.write_options(&templates);
     folder.write_with("paths.vtp", |out| write_paths_vtp(&run.resolved.paths, &run.deposition.moves, out))?;
-    let written = match &args.loaded_flavour {
-        Some(flavour) => {
-            write_in(run, flavour, &args.settings.program_options(&program_name(name), &templates), folder)?
-        }
+    let program = program_name(name);
+    let of_program = args.settings.program_options(&program, &templates);
+    files.gcode = Some(match &args.loaded_flavour {
+        Some(flavour) => write_in(run, flavour, &of_program, folder)?,
         None => write(run, &options, MACHINE_FILE, folder)?,
-    };
+    });
+    files.axes = args.printer.as_ref().map(|printer| axes::write(run, printer, &of_program, folder)).transpose()?;
     let failed = |error: CamError| match error {
         CamError::Io(error) => error,
         error => io::Error::new(io::ErrorKind::InvalidData, error.to_string()),
@@ -66,7 +75,7 @@ pub fn products(args: &Args, name: &str, run: &MachineRun, folder: &OutputFolder
     for (name, list) in [("unsupported.csv", &run.support.unsupported), ("spans.csv", &run.support.spans)] {
         folder.write_list(name, !list.is_empty(), |out| pieces(run, list, out))?;
     }
-    Ok(written)
+    Ok(())
 }
 
 /// Pieces of beads.

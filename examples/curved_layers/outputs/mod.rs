@@ -2,6 +2,7 @@
 //!
 //! One module a stage, each with its products, its figures (`summary`, `rows`) and its chapter of the report.
 
+mod axes;
 mod build;
 mod field;
 mod files;

@@ -1,6 +1,6 @@
 //! Names of the files that a run writes.
 
-use super::programs;
+use super::{axes, programs};
 use crate::motion::trajectory;
 use crate::ranges;
 use curvlay_examples::output::SUMMARY;
@@ -21,6 +21,7 @@ const NAMES: [&str; 29] = [
     ranges::FILE,
     "toolpath.gcode",
     "toolpath-bc.gcode",
+    axes::FILE,
     "flavour.json",
     "toolpath.apt",
     "toolpath.csv",

@@ -1,6 +1,6 @@
 //! Writes what the stages have made: files, summary, report, and the tables on stdout.
 
-use super::{build, field, machine, motion, paths, people, programs, surfaces};
+use super::{axes, build, field, machine, motion, paths, people, programs, surfaces};
 use crate::args::{Extra, Stage, failure};
 use crate::job::{Job, Posed, Results};
 use crate::motion::{Motion, of_run, trajectory};
@@ -86,12 +86,14 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
             surfaces.iter().try_for_each(|run| surfaces::products(args, run, folder))
         }
         Stage::Paths => paths.iter().try_for_each(|run| paths::products(args, run, folder)),
-        Stage::Gcode => {
-            files.gcode = machine.as_ref().map(|run| machine::products(args, &part.name, run, folder)).transpose()?;
+        Stage::Gcode => machine.iter().try_for_each(|run| {
+            machine::products(args, &part.name, run, (files, folder))?;
+            files.axes.iter().for_each(|program| axes::find(program, findings));
+            findings.say();
             Ok(())
-        }
+        }),
         Stage::Motion => {
-            files.gcode = machine.as_ref().map(|run| machine::products(args, &part.name, run, folder)).transpose()?;
+            machine.iter().try_for_each(|run| machine::products(args, &part.name, run, (files, folder)))?;
             let Some(motion) = motion else { return Ok(()) };
             of_run!(motion, run => motion::products(run, folder)?);
             let written =
@@ -115,6 +117,7 @@ fn tables(job: &Job, results: &Results) -> [Table; 5] {
     paths.iter().for_each(|run| paths::rows(job.args, run, of_paths));
     let written = machine.iter().zip(&files.gcode).zip(paths);
     written.for_each(|((run, written), paths)| machine::rows(field, paths, run, written, of_machine));
+    files.axes.iter().for_each(|program| axes::row(program, of_machine));
     motion.iter().for_each(|motion| of_run!(motion, run => motion::rows(run, of_motion)));
     files.programs.iter().for_each(|written| programs::rows(written, of_motion));
     tables
@@ -148,6 +151,7 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
     written
         .into_iter()
         .try_for_each(|((run, written), paths)| machine::summary(job, field, paths, run, written, figures))?;
+    files.axes.iter().try_for_each(|program| axes::summary(program, figures))?;
     motion.iter().try_for_each(|motion| of_run!(motion, run => motion::summary(run, figures)))?;
     files.programs.iter().try_for_each(|written| programs::summary(written, figures))?;
     Ok(summary)

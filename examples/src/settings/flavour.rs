@@ -14,26 +14,40 @@ impl Settings {
     /// moves of axes, since what is planned here are tips and directions.
     pub fn load_flavour(&self) -> Result<Option<Flavour>, Failure> {
         let Some(text) = &self.flavour else { return Ok(None) };
-        let flavour = match Flavour::built_in(text) {
-            Some(flavour) => flavour,
-            None if is_file(text) => from_file(Path::new(text))?,
-            None => {
-                let names = Flavour::names().join(", ");
-                let why = format!("`{text}` is no G-code flavour: there are {names}; or give a JSON file (name.json)");
-                return Err(Failure::of_arguments(why));
-            }
-        };
+        let flavour = named_flavour(text, Path::new(""))?.ok_or_else(|| {
+            let names = Flavour::names().join(", ");
+            let why = format!("`{text}` is no G-code flavour: there are {names}; or give a JSON file (name.json)");
+            Failure::of_arguments(why)
+        })?;
         if flavour.direction == Direction::Axes {
-            let of_part = Flavour::names().iter().filter(|name| takes_directions(name)).copied();
-            let names = of_part.collect::<Vec<_>>().join(", ");
+            let names = Flavour::names().iter().filter(|name| takes_directions(name)).copied();
+            let names = names.collect::<Vec<_>>().join(", ");
             let why = format!(
-                "the flavour `{}` takes moves of a machine's axes, and tips and directions are what is planned: {names} take those; --rotary writes axes of a table",
+                "the flavour `{}` takes moves of a machine's axes, and tips and directions are what is planned: {names} take those; --machine FILE describes a machine",
                 flavour.name
             );
             return Err(Failure::of_arguments(why));
         }
         Ok(Some(flavour))
     }
+}
+
+/// A flavour by its name, or from a JSON file that is given from a folder; `None` where the text is neither.
+///
+/// # Errors
+/// A line with the file, and what is wrong in it.
+pub fn named_flavour(text: &str, folder: &Path) -> Result<Option<Flavour>, Failure> {
+    match Flavour::built_in(text) {
+        Some(flavour) => Ok(Some(flavour)),
+        None if is_file(text) => from_file(&folder.join(text)).map(Some),
+        None => Ok(None),
+    }
+}
+
+/// The built-in flavours that say the direction of the nozzle in one way.
+pub fn flavour_names(direction: Direction) -> Vec<&'static str> {
+    let says = |name: &str| Flavour::built_in(name).is_some_and(|flavour| flavour.direction == direction);
+    Flavour::names().iter().copied().filter(|name| says(name)).collect()
 }
 
 /// Whether the text is a file and no name.

@@ -14,5 +14,6 @@ pub use declared::{
     BEAD_MM, Count, FILES, LAYER_HEIGHT_MM, LAYERS, MACHINE, MATERIAL, PLATFORM_DIAMETER_MM, SPEEDS, Settings, Sparse,
     TagStyle, Words,
 };
+pub use flavour::{flavour_names, named_flavour};
 pub use profile::Profile;
 pub use rules::{default_nozzle, nozzle};

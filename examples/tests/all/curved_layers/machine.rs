@@ -1,7 +1,11 @@
 //! The machine file: gouging, support, volume, directions.
 
 use super::*;
-use curvlay_toolpath::gcode::flavour::{Direction, Flavour, FlavourReadOptions, FlavourReader};
+use curvlay_examples::axis_program::axes_of;
+use curvlay_examples::five_axis::FiveAxisPrinter;
+use curvlay_toolpath::gcode::flavour::{
+    AxisMove, AxisReader, Direction, Flavour, FlavourReadOptions, FlavourReader, MachineAxis,
+};
 
 /// The machine file says directions as it is asked to; by default no firmware can mistake them.
 #[test]
@@ -250,4 +254,74 @@ fn a_block_of_400_mm_is_in_the_way() {
     assert!(said.contains("out of the nozzle's reach") && said.contains("paths are not printed"), "{said}");
     assert!(figures["gouging_before"].as_u64().unwrap() > 100 && figures["left_out_mm"].as_f64().unwrap() > 10.0);
     assert_eq!(figures["check_contacts"], 0);
+}
+
+/// The machines to copy from print the block: the tip is at each waypoint of the plan, by the machine's own forward kinematics. What a machine does not reach,
+/// and a file that is no machine, is one line, and no program is left.
+#[test]
+fn a_machine_file_makes_a_program_of_its_axes() {
+    let scratch = Scratch::new("five_axis");
+    let mesh = scratch.path("block.stl");
+    fs::write(&mesh, boxes(&[[[0.0; 3], [8.0, 6.0, 4.0]]])).unwrap();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("machines");
+    let ran = |out: &str, machine: &Path| {
+        let machine = machine.display().to_string();
+        run(&["--mesh", &mesh, "--cell", "1", "--quiet", "--out", out, "--machine", &machine])
+    };
+    for name in ["bc-table-tcp", "head-head-gantry", "klipper-tilting-head", "open5x-table", "polar-tilting-head"] {
+        let out = scratch.path(name);
+        let file = folder.join(format!("{name}.json"));
+        let output = ran(&out, &file);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let summary = summary(&out);
+        assert!(summary["five_axis_tip_error_mm"].as_f64().unwrap() <= 0.02, "{name}");
+        let printer = FiveAxisPrinter::load(&file).unwrap();
+        assert_eq!(summary["five_axis_flavour"], printer.flavour.name.as_str());
+        let text = fs::read_to_string(Path::new(&out).join("toolpath-axes.gcode")).unwrap();
+        assert_eq!(summary["five_axis_bytes"], text.len());
+        let tips = match printer.machine.letters().len() {
+            4 => tips_of::<4>(&text, &printer),
+            _ => tips_of::<5>(&text, &printer),
+        };
+        let plan = fs::File::open(Path::new(&out).join("toolpath.gcode")).unwrap();
+        let plan = GcodeReader::new(BufReader::new(plan), ReadOptions::default()).unwrap();
+        let allowed = if name == "polar-tilting-head" { 0.02 } else { 5e-4 };
+        for item in plan.map(Result::unwrap) {
+            let gcode::Move::Print { tip, .. } = item else { continue };
+            let off = tips.iter().map(|other| (other - tip).norm()).fold(f64::INFINITY, f64::min);
+            assert!(off < allowed, "{name}: {off} at {tip}");
+        }
+    }
+    let model = fs::read_to_string(folder.join("open5x-table.json")).unwrap();
+    for (from, to, words) in [
+        ("\"range_mm\": [-126, 125]", "\"range_mm\": [-1, 1]", "places are out of its reach, the farthest at "),
+        ("\"letter\": \"U\"", "\"letter\": \"V\"", "letter"),
+        ("\"point_mm\": [0, 0, -40], ", "", "point_mm is missing"),
+        ("reprapfirmware", "siemens", "dialect: the flavour `siemens` takes no axes"),
+        ("reprapfirmware", "fanuc", "dialect: `fanuc` is no G-code flavour"),
+        ("\"version\": 1", "\"version\": 2", "version"),
+    ] {
+        let file = scratch.path("machine.json");
+        fs::write(&file, model.replacen(from, to, 1)).unwrap();
+        let out = scratch.path("none");
+        let output = ran(&out, Path::new(&file));
+        let (found, line) = status_and_line(&output);
+        assert!(found == 1 && line.contains(words) && line.contains("machine.json"), "{from}: {found} {line}");
+        assert!(
+            !Path::new(&out).join("toolpath-axes.gcode").exists() && !Path::new(&out).join("toolpath.gcode").exists()
+        );
+    }
+}
+
+/// The tips of a program's beads.
+fn tips_of<const N: usize>(text: &str, printer: &FiveAxisPrinter) -> Vec<Point3<f64>> {
+    let axes: [MachineAxis; N] = axes_of(&printer.machine).try_into().unwrap();
+    let moves = AxisReader::new(text.as_bytes(), &axes, &printer.flavour, FlavourReadOptions::default()).unwrap();
+    let tip = |item: AxisMove<N>| {
+        let AxisMove::Print { axes, .. } = item else { return None };
+        let mut all = [0.0; 5];
+        all[..N].copy_from_slice(&axes);
+        Some(printer.machine.forward(&all).0)
+    };
+    moves.map(Result::unwrap).filter_map(tip).collect()
 }
