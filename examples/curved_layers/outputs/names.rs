@@ -6,7 +6,7 @@ use crate::ranges;
 use curvlay_examples::output::SUMMARY;
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 29] = [
+const NAMES: [&str; 30] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
