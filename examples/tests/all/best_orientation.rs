@@ -129,5 +129,8 @@ fn what_has_no_volume_is_reported() {
     let args = arguments(&["--mesh", &path.to_string_lossy()]).unwrap();
     let failure = example::work(&args, &Bars::new(true), &folder).map(|_| ()).unwrap_err();
     let message = failure.message();
-    assert!(message.contains("flat.obj: the mesh encloses no volume: it is a surface of 1 triangle without thickness"), "{message}");
+    assert!(
+        message.contains("flat.obj: the mesh encloses no volume: it is a surface of 1 triangle without thickness"),
+        "{message}"
+    );
 }

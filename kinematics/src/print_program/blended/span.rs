@@ -50,10 +50,8 @@ mod tests {
         for most in 1..9 {
             for count in 0..40 {
                 let found = spans(count, |from, to| to - from <= most);
-                let slow: Vec<usize> = (0..count)
-                    .step_by(most)
-                    .chain((count > 1 && (count - 1) % most > 0).then_some(count - 1))
-                    .collect();
+                let slow: Vec<usize> =
+                    (0..count).step_by(most).chain((count > 1 && (count - 1) % most > 0).then(|| count - 1)).collect();
                 assert_eq!(found, slow, "{most} {count}");
             }
         }
