@@ -694,7 +694,8 @@ fn a_range_of_one_value_has_one_sample() {
         waypoints: 40,
         free: [FreeRange::Turn],
         solutions: |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| {
-            each(0, [0.2, bearing(i) + free[0]])
+            asked[1].fetch_add(1, Ordering::Relaxed);
+            each(0, [0.2, bearing(i) + free[0]]);
         },
         posture: |_: usize, _: &[f64; 1], _| None::<Posture<2, 1>>,
     };
