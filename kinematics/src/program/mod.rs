@@ -70,6 +70,7 @@ pub use step::{
 };
 pub use text::tokens::ReadError;
 pub use tp::{TpOptions, TpProgram, TpWritten, read_tp, write_tp};
+pub(crate) use urscript::SPEED_FACTORS;
 pub use urscript::{
     FILAMENT_FULL_SCALE_MM_S, Straight, UrExtruder, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
 };

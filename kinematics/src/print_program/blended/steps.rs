@@ -7,7 +7,7 @@ use super::span::spans;
 use super::ways;
 use crate::print_program::PrintKnot;
 use crate::print_program::stream::by_joints;
-use crate::program::{ExternalAxes, Goal, Move, Speed, Step, Zone};
+use crate::program::{ExternalAxes, Goal, Move, SPEED_FACTORS, Speed, Step, Zone};
 use crate::workcell::Workcell;
 
 /// The steps of a print as few moves with blends: by joints to the first sample, then each segment from rest to rest.
@@ -98,7 +98,9 @@ fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut 
             steps.push(Step::FilamentSpeed(filament));
             fed = Some(filament);
         }
-        let speed = Speed { mm_s: (tip_way * share).max(options.min_speed_mm_s), ..Speed::default() };
+        // Within what a writer makes of it for the TCP, so that the move takes its time where one of both nearly stands still.
+        let said_way = tip_way.clamp(way * SPEED_FACTORS[0], way * SPEED_FACTORS[1]);
+        let speed = Speed { mm_s: (said_way * share).max(options.min_speed_mm_s), ..Speed::default() };
         steps.push(Step::Move(Move { goal: Goal::Line(to.target), table: None, speed, zone: zones[k] }));
     }
     steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);

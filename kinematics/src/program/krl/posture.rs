@@ -18,6 +18,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 ///     geometry: Geometry::Ortho(lengths),
 ///     offsets: [0.0, -FRAC_PI_2, 0.0, 0.0, 0.0, 0.0],
 ///     signs: [-1.0, 1.0, 1.0, -1.0, 1.0, -1.0],
+///     j23_factor: 0.0,
 ///     limits: JointLimits::NONE,
 /// };
 /// let arm = Arm::new(&kr6)?;

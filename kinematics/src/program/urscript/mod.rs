@@ -9,6 +9,7 @@ mod write;
 
 pub use extruder::UrExtruder;
 pub use read::UrScriptReader;
+pub(crate) use write::SPEED_FACTORS;
 pub use write::{UrScriptWritten, write_urscript};
 
 use super::{HeadInput, HeadSignal, Payload, ProgramLimits};

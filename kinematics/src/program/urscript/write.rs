@@ -18,7 +18,7 @@ const BLEND_SHARE: f64 = 0.49;
 
 /// What the speed of the TCP may differ by from that of the tip on a part in the hand: a part that only turns about its
 /// origin has a TCP that stands still.
-const SPEED_FACTORS: [f64; 2] = [0.01, 100.0];
+pub(crate) const SPEED_FACTORS: [f64; 2] = [0.01, 100.0];
 
 /// Faster than this, in rad/s, no joint of these arms turns.
 const FASTEST: f64 = TAU;
