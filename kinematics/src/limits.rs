@@ -73,6 +73,19 @@ impl<const N: usize> JointLimits<N> {
         jerk: [f64::INFINITY; N],
     };
 
+    /// The same with stops that are nearer by a margin, in radians. A joint between stops that are nearer to each other than two margins, such as the
+    /// tilt of a table that only turns, has the middle between them.
+    pub(crate) fn within_margin(&self, margin: f64) -> Self {
+        let (mut lower, mut upper) = (self.lower, self.upper);
+        for joint in 0..N {
+            // Without stops that is no number, which `min` and `max` pass over.
+            let middle = 0.5 * (self.lower[joint] + self.upper[joint]);
+            lower[joint] = (self.lower[joint] + margin).min(middle);
+            upper[joint] = (self.upper[joint] - margin).max(middle);
+        }
+        JointLimits { lower, upper, ..*self }
+    }
+
     /// Whether every joint has an angle and can move.
     ///
     /// # Errors

@@ -76,6 +76,19 @@ impl<const N: usize> Bounds<N> {
         self.upper[joint] - self.lower[joint] == f64::INFINITY
     }
 
+    /// The same with stops that are nearer by a margin, in radians. A joint between stops that are nearer to each other than two margins, such as the
+    /// tilt of a table that only turns, has the middle between them.
+    pub(crate) fn within_margin(&self, margin: f64) -> Self {
+        let (mut lower, mut upper) = (self.lower, self.upper);
+        for joint in 0..N {
+            // Without stops that is no number, which `min` and `max` pass over.
+            let middle = 0.5 * (self.lower[joint] + self.upper[joint]);
+            lower[joint] = (self.lower[joint] + margin).min(middle);
+            upper[joint] = (self.upper[joint] - margin).max(middle);
+        }
+        Bounds { lower, upper, ..*self }
+    }
+
     /// The angle of a joint nearest to `near` that is within its stops and whole turns away from this one.
     pub(crate) fn image_near(&self, joint: usize, angle: f64, near: f64) -> Option<f64> {
         if self.is_endless(joint) {
@@ -117,6 +130,19 @@ impl<const N: usize> Bounds<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_margin_leaves_the_middle_at_least() {
+        let inf = f64::INFINITY;
+        let bounds =
+            Bounds::<5> { lower: [-1.0, 0.5, -0.04, -inf, -inf], upper: [2.0, 0.5, 0.02, inf, 3.0], ..Bounds::NONE };
+        let inside = bounds.within_margin(0.05);
+        let expected = [(-0.95, 1.95), (0.5, 0.5), (-0.01, -0.01), (-inf, inf), (-inf, 2.95)];
+        for (joint, (lower, upper)) in expected.into_iter().enumerate() {
+            let near = |a: f64, b: f64| a.total_cmp(&b).is_eq() || (a - b).abs() < 1e-12;
+            assert!(near(inside.lower[joint], lower) && near(inside.upper[joint], upper), "{joint}: {inside:?}");
+        }
+    }
 
     /// As by trying all turns. Stops that an angle meets exactly hold it.
     #[test]

@@ -3,7 +3,6 @@
 use super::part::{Assessment, PlaceError, best_place, place_grid};
 use super::posture::BestPosture;
 use super::sample::representative_waypoints;
-use crate::limits::JointLimits;
 use crate::progress::ProgressFn;
 use crate::scene::{Mount, Scene, SceneError};
 use crate::setup::Waypoint;
@@ -117,10 +116,8 @@ pub fn place_on_plate<const N: usize, const F: usize, W: Workcell<N, F>>(
     let mut model = equipment.scene(plate_mm);
     (model.margin, model.allowed) = (margin_mm, nozzle_pairs(&[PLATE]));
     let scene = Scene::new(model)?;
-    let JointLimits { lower, upper, .. } = *workcell.limits();
-    let (lower, upper) = (lower.map(|stop| stop + stop_margin), upper.map(|stop| stop - stop_margin));
     let postures = BestPosture::new(workcell, &scene, samples, comfortable_mm)?;
-    let postures = postures.within(JointLimits { lower, upper, ..*workcell.limits() });
+    let postures = postures.within(workcell.limits().within_margin(stop_margin));
     // The part leaves the middle for reach and clearance only, not for a little more of either.
     let assess = |at: &Waypoint| postures.assess(at).map(|found| Assessment { quality: 0.0, ..found });
     let best = best_place(&places, &few, comfortable_mm, |_, at| assess(at), progress)?;

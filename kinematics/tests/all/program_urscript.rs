@@ -356,7 +356,10 @@ proptest! {
 
     /// Whatever drives the extruder, switches and speeds come back: speeds to a count of the register, to the digits of a command.
     #[test]
-    fn extruders_elsewhere_come_back(speeds in prop::collection::vec(0.0..20.0f64, 0..6), unit in 1e-3..0.05f64, is_socket in any::<bool>()) {
+    fn extruders_elsewhere_come_back(shares in prop::collection::vec(0.0..1.0f64, 0..6), unit in 1e-3..0.05f64, is_socket in any::<bool>()) {
+        // A command holds 10,000 turns a minute.
+        let most = if is_socket { 20f64.min(1e4 * unit) } else { 20.0 };
+        let speeds: Vec<f64> = shares.iter().map(|share| share * most).collect();
         let extruder = if is_socket { at_socket(1.0 / unit) } else { at_modbus(unit) };
         let steps = fed_steps(&speeds);
         let (text, _) = script(&steps, &UrScriptOptions { extruder, starts: true, ..free() }).unwrap();

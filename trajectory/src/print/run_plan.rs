@@ -50,9 +50,7 @@ impl<const N: usize, const F: usize, R> Task<'_, N, F, R> {
 
     /// The bounds of waypoints.
     pub fn inside(&self) -> Bounds<N> {
-        let Bounds { lower, upper, .. } = self.limits.bounds;
-        let margin = self.options.stop_margin;
-        Bounds { lower: lower.map(|stop| stop + margin), upper: upper.map(|stop| stop - margin), ..self.limits.bounds }
+        self.limits.bounds.within_margin(self.options.stop_margin)
     }
 }
 
