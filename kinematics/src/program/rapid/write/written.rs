@@ -1,6 +1,6 @@
 //! What has been written.
 
-/// What [`write_rapid`] has written.
+/// What [`write_rapid`](super::write_rapid) has written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RapidWritten {
     /// Part modules.
