@@ -5,13 +5,14 @@
 //! ```
 
 use curvlay_examples::args::{self, Failure, Outcome};
+use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, write_targets};
 use curvlay_examples::motion::{
     OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of, programs, table_options,
     workcell_model, workcell_of,
 };
 use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell, WorkcellModel};
-use curvlay_kinematics::{centred_on_plate, program::RapidOptions, program::write_rapid, program::write_urscript};
+use curvlay_kinematics::{centred_on_plate, program::write_urscript};
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::{LayerOptions, Platform, Workpiece};
 use curvlay_toolpath::fill::fill_layers;
@@ -94,12 +95,13 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
     for (number, runs) in programs::pieces(&motion).into_iter().enumerate() {
         let name = format!("print{}", number + 1);
         let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
-        if programs::takes_stream(cell.equipment()).map_err(Failure::new)? {
+        if let Some(language) = TargetLanguage::of(cell.equipment())? {
+            let max_filament_mm_s = motion.max_filament_mm_s();
+            let format = TargetFormat { name, language, moves_per_file: None, max_filament_mm_s };
+            write_targets(programs::targets(cell, &motion, runs), cell.equipment(), &format, create)?;
+        } else {
             let (options, file) = (programs::urscript_options(cell, &motion, &name), format!("{name}.script"));
             write_urscript(programs::stream(cell, &motion, runs), &options, create(&file)?)?;
-        } else {
-            let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
-            write_rapid(programs::targets(cell, &motion, runs), &options, create)?;
         }
     }
     println!("{} motions, {:.0} min, {} faults", motion.runs.len(), motion.robot_s() / 60.0, motion.faults.len());

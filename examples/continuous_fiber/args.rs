@@ -96,8 +96,9 @@ pub struct Args {
     /// Temperature of the roller in degrees Celsius
     #[arg(long = "heat", value_name = "CELSIUS", default_value_t = 210.0, value_parser = curvlay_examples::args::celsius, allow_negative_numbers = true, help_heading = TAPES)]
     pub celsius: f64,
-    /// Workcell that prints the part, or lays the tapes of the arc, a JSON file with six axes [default: a UR3 that holds the mould under a roller]
-    #[arg(long, value_name = "FILE")]
+    /// Workcell that prints the part, or lays the tapes of the arc, a JSON file with six axes, the name of an arm
+    /// (examples/cells/arms.json) or a URDF [default: a UR3 that holds the mould under a roller]
+    #[arg(long, value_name = "FILE|ARM")]
     pub workcell: Option<PathBuf>,
     #[command(flatten)]
     pub(super) common: Common,

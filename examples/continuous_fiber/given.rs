@@ -3,11 +3,9 @@
 use super::args::{Args, Stage};
 use super::{layer, wires};
 use curvlay_examples::args::{Failure, Part};
-use curvlay_examples::input;
-use curvlay_examples::motion::UR3_CELL;
+use curvlay_examples::motion::{UR3_CELL, workcell_of, workcell_or};
 use curvlay_examples::nalgebra::Point3;
 use curvlay_examples::shapes::jug;
-use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_toolpath::fiber::stress::StressSample;
 
@@ -21,14 +19,7 @@ pub struct Given {
 
 impl Given {
     pub fn read(args: &Args) -> Result<Given, Failure> {
-        let text = match &args.workcell {
-            Some(path) => input::read(path, input::MAX_SETTINGS_BYTES)?,
-            None => UR3_CELL.as_bytes().to_vec(),
-        };
-        let cell = AnyWorkcell::from_json(&text[..]).map_err(|error| match &args.workcell {
-            Some(path) => fault(path, &error),
-            None => error.into(),
-        })?;
+        let cell = workcell_of(workcell_or(args.workcell.as_deref(), UR3_CELL)?, args.workcell.as_deref())?;
         let part = args.mesh.path().map(|_| args.mesh.load("part", jug)).transpose()?;
         if part.is_some() && args.stage >= Stage::Motion {
             args.check_roller(&cell)?;

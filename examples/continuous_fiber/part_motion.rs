@@ -9,6 +9,7 @@ use super::part_programs::{Item, Written};
 use super::part_read_back::ReadAgain;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::motion::target_programs::TargetLanguage;
 use curvlay_examples::motion::{NO_HOME, OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, waypoints};
 use curvlay_examples::nalgebra::Isometry3;
 use curvlay_examples::viewer;
@@ -73,7 +74,15 @@ impl Work<'_> {
     /// Plans all motions and writes the programs.
     pub fn plan(&self, cell: &AnyWorkcell) -> Result<PartMotion, Failure> {
         let cell = six_axes(cell)?;
-        let takes_stream = programs::takes_stream(cell.equipment()).map_err(Failure::new)?;
+        let takes_stream = match TargetLanguage::of(cell.equipment())? {
+            None => true,
+            Some(TargetLanguage::Rapid) => false,
+            Some(TargetLanguage::Krl | TargetLanguage::Tp) => {
+                return Err(Failure::of_arguments(
+                    "--workcell: programs with tapes are written as URScript or RAPID, not in the language of this controller",
+                ));
+            }
+        };
         let Work { layers, print, tapes, head, .. } = *self;
         let grid = &layers.solid.grid;
         let [nx, ny, _] = grid.dims();

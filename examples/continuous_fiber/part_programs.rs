@@ -4,10 +4,11 @@ use super::motion::TapeMotion;
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::programs;
 use curvlay_examples::motion::shown::{self, Played};
+use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, target_files};
 use curvlay_examples::nalgebra::Isometry3;
 use curvlay_examples::viewer;
 use curvlay_kinematics::print_program::StreamOptions;
-use curvlay_kinematics::program::{RapidOptions, Step, write_urscript};
+use curvlay_kinematics::program::{Step, write_urscript};
 use curvlay_kinematics::workcell::{SixAxisWorkcell, Workcell};
 use curvlay_toolpath::fiber::head::{LayerTapes, TapeHead};
 use curvlay_toolpath::plan::PrintPlan;
@@ -104,8 +105,14 @@ impl Written<'_> {
         if items.is_empty() {
             return Ok(BTreeMap::new());
         }
-        let options = RapidOptions { name: "fiber".to_owned(), ..RapidOptions::of_workcell(self.cell.equipment()) };
-        Ok(programs::rapid_files(items.iter().flat_map(|item| self.steps(item, false)), &options)?)
+        let format = TargetFormat {
+            name: "fiber".to_owned(),
+            language: TargetLanguage::Rapid,
+            moves_per_file: None,
+            max_filament_mm_s: self.beads.max_filament_mm_s(),
+        };
+        let steps = items.iter().flat_map(|item| self.steps(item, false));
+        Ok(target_files(steps, self.cell.equipment(), &format)?)
     }
 
     /// Everything for the viewer, in order.

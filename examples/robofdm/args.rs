@@ -89,8 +89,9 @@ pub struct Args {
     /// How layers are filled
     #[arg(long, value_name = "NAME", default_value = "spiral")]
     pub pattern: PatternName,
-    /// Workcell of the motion, a JSON file; kinematics/docs/workcells.md describes it [default: a UR3 that holds the part under a nozzle]
-    #[arg(long, value_name = "FILE")]
+    /// Workcell of the motion, a JSON file (kinematics/docs/workcells.md), or an assumed one around an arm: its name (examples/cells/arms.json) or a URDF [default: a
+    /// UR3 that holds the part under a nozzle]
+    #[arg(long, value_name = "FILE|ARM")]
     pub workcell: Option<PathBuf>,
     /// Places the nozzle of a workcell that holds the part where the arm reaches most
     #[arg(long)]

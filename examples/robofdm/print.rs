@@ -5,7 +5,7 @@ use super::workcell::model;
 use super::{Args, PatternName, Stage};
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::{FlatPrint, Printed, print_parts};
+use curvlay_examples::motion::{FlatPrint, Printed, print_parts, workcell_of};
 use curvlay_examples::nalgebra::{Isometry3, Vector3};
 use curvlay_kinematics::workcell::{AnyWorkcell, Held};
 use curvlay_kinematics::{ReachOptions, fullest_box, reachable_points};
@@ -51,7 +51,7 @@ fn cell(args: &Args, divided: &Divided) -> Result<AnyWorkcell, Failure> {
         if model.held != Held::Part {
             return Err(Failure::of_arguments("--place-nozzle: the arm of the workcell does not hold the part"));
         }
-        let known = AnyWorkcell::new(model.clone())?;
+        let known = workcell_of(model.clone(), args.workcell.as_deref())?;
         let (_, part_frame) = known.equipment().part_frame();
         let keep = |_: &[f64; 6], frame: &Isometry3<f64>| {
             let at = frame.translation.vector;
@@ -64,5 +64,5 @@ fn cell(args: &Args, divided: &Divided) -> Result<AnyWorkcell, Failure> {
         let best = fullest_box(&points, [edges.max(); 3], &|_| std::ops::ControlFlow::Continue(()))?;
         model.nozzle.tip_mm = best.centre.coords.into();
     }
-    Ok(AnyWorkcell::new(model)?)
+    workcell_of(model, args.workcell.as_deref())
 }

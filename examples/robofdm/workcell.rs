@@ -2,15 +2,14 @@
 
 use super::Args;
 use curvlay_examples::args::Failure;
-use curvlay_examples::input;
 use curvlay_examples::mesh::Mesh;
-use curvlay_examples::motion::{UR3_CELL, nozzle_of, plate_mm};
-use curvlay_kinematics::workcell::{AnyWorkcell, WorkcellModel};
+use curvlay_examples::motion::{UR3_CELL, nozzle_of, plate_mm, workcell_of, workcell_or};
+use curvlay_kinematics::workcell::WorkcellModel;
 use curvlay_layers::planar::robofdm::Head;
 
 /// The head of the workcell and its plate, as the search for parts takes them.
 pub fn head(args: &Args, mesh: &Mesh) -> Result<Head, Failure> {
-    let cell = AnyWorkcell::new(model(args)?)?;
+    let cell = workcell_of(model(args)?, args.workcell.as_deref())?;
     let nozzle = nozzle_of(cell.equipment())?;
     Ok(Head {
         tip_radius: nozzle.tip_radius(),
@@ -23,11 +22,7 @@ pub fn head(args: &Args, mesh: &Mesh) -> Result<Head, Failure> {
     })
 }
 
-/// The workcell as its file has it.
+/// The workcell as it is given.
 pub fn model(args: &Args) -> Result<WorkcellModel, Failure> {
-    let text = match &args.workcell {
-        Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
-        None => UR3_CELL.to_owned(),
-    };
-    Ok(WorkcellModel::from_json(text.as_bytes())?)
+    workcell_or(args.workcell.as_deref(), UR3_CELL)
 }

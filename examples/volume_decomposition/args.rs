@@ -42,8 +42,9 @@ pub struct Args {
     /// that runs it
     #[arg(long)]
     pub rapid: bool,
-    /// Workcell of the motion, a JSON file; its nozzle becomes the torch [default: an IRB 1200 over a table that tilts and turns]
-    #[arg(long, value_name = "FILE", requires = "rapid")]
+    /// Workcell of the motion, a JSON file, the name of an arm (examples/cells/arms.json) or a URDF; its
+    /// nozzle becomes the torch [default: an IRB 1200 over a table that tilts and turns]
+    #[arg(long, value_name = "FILE|ARM", requires = "rapid")]
     pub workcell: Option<PathBuf>,
     /// Width of a bead of the torch in millimetres [default: twice the height of a layer]
     #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]

@@ -5,9 +5,8 @@ use super::Args;
 use super::volumes::Divided;
 use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::bars::Bars;
-use curvlay_examples::input;
 use curvlay_examples::mesh::Mesh;
-use curvlay_examples::motion::{FlatPrint, Printed, TABLE_CELL, print_parts};
+use curvlay_examples::motion::{FlatPrint, Printed, TABLE_CELL, print_parts, workcell_of, workcell_or};
 use curvlay_examples::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use curvlay_kinematics::workcell::{AnyWorkcell, WorkcellModel};
 use curvlay_layers::planar::VolumePart;
@@ -47,13 +46,9 @@ fn onto_plate(first: &VolumePart) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(0.0, 0.0, -first.base_mm), turn)
 }
 
-/// The workcell as its file has it.
+/// The workcell as it is given.
 pub fn model(args: &Args) -> Result<WorkcellModel, Failure> {
-    let text = match &args.workcell {
-        Some(file) => input::read_text(file, input::MAX_SETTINGS_BYTES)?,
-        None => TABLE_CELL.to_owned(),
-    };
-    Ok(WorkcellModel::from_json(text.as_bytes())?)
+    workcell_or(args.workcell.as_deref(), TABLE_CELL)
 }
 
 /// The cell with the torch in place of its nozzle: a wire that reaches out of the mouth by the stand-off.
@@ -66,5 +61,5 @@ fn cell(args: &Args, mut model: WorkcellModel) -> Result<AnyWorkcell, Failure> {
     shape.cone_half_angle_deg = step_mm.atan2(args.stand_off_mm).to_degrees();
     shape.block_diameter_mm = args.torch_mm;
     shape.block_top_mm = shape.block_top_mm.max(args.stand_off_mm + NECK_MM);
-    Ok(AnyWorkcell::new(model)?)
+    workcell_of(model, args.workcell.as_deref())
 }

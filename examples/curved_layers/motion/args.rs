@@ -3,7 +3,6 @@
 use clap::ValueEnum;
 use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
 use curvlay_examples::motion::{TABLE_CELL, UR3_CELL, programs, workcell_model, workcell_of};
-use curvlay_kinematics::robots::Maker;
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, ProgramLanguage, WorkcellModel};
 use std::path::PathBuf;
 
@@ -110,35 +109,58 @@ impl MotionArgs {
         )))
     }
 
-    /// The format that is wanted.
+    /// The format that is wanted: the one given, if the controller takes it, else that of its language.
+    ///
+    /// # Errors
+    /// A format that the controller does not take.
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
-        let takes_stream = programs::takes_stream(cell.equipment());
-        let not_abb = cell.equipment().catalogue_arm().map(|arm| arm.maker).filter(|maker| *maker != Maker::Abb);
-        let refused = |why: &str| Err(Failure::of_arguments(format!("--program {why}")));
-        let of_cell = match cell.equipment().language() {
-            Some(ProgramLanguage::UrScript) => ProgramFormat::Urscript,
-            Some(ProgramLanguage::Rapid) => ProgramFormat::Rapid,
-            Some(ProgramLanguage::Krl) => ProgramFormat::Krl,
-            Some(ProgramLanguage::Tp) => ProgramFormat::Tp,
-            None => ProgramFormat::Csv,
+        let equipment = cell.equipment();
+        let taken = programs::languages(equipment);
+        let Some(format) = self.program else {
+            // A cell that takes several takes its own, which is the first.
+            return Ok(taken.as_ref().map_or(ProgramFormat::Csv, |taken| {
+                taken.first().copied().map_or(ProgramFormat::Csv, ProgramFormat::of_language)
+            }));
         };
-        use ProgramFormat::{Csv, Krl, None as Nothing, Rapid, Tp, Urscript, UrscriptMovep};
-        match (self.program, takes_stream) {
-            (None, Ok(_)) => Ok(of_cell),
-            (None, Err(_)) => Ok(Csv),
-            (Some(Urscript), Ok(false)) => refused("urscript: not for an ABB arm"),
-            (Some(UrscriptMovep), Ok(false)) => refused("urscript-movep: only for arms of Universal Robots"),
-            (Some(Urscript | UrscriptMovep), Err(why)) => refused(&format!("urscript: {why}")),
-            (Some(Rapid), Ok(true) | Err(_)) => refused("rapid: only for ABB arms, not for a UR"),
-            (Some(Rapid), Ok(false))
-                if of_cell != Rapid
-                    && let Some(maker) = not_abb =>
-            {
-                refused(&format!("rapid: only for ABB arms, not for one of {}", maker.name()))
+        let Some(language) = format.language() else { return Ok(format) };
+        let refused = |why: &str| Err(Failure::of_arguments(format!("--program {}: {why}", format.name())));
+        match taken {
+            Ok(taken) if taken.contains(&language) => Ok(format),
+            Ok(taken) => {
+                let names: Vec<_> = taken.iter().map(|language| ProgramFormat::of_language(*language).name()).collect();
+                let own = if names.is_empty() { "csv".to_owned() } else { names.join(", ") };
+                let arm = equipment.catalogue_arm().map_or("the arm of this workcell", |arm| arm.title);
+                refused(&format!("{arm} takes {own}; `controller.language` of a workcell file names another one"))
             }
-            (Some(Krl), Ok(true) | Err(_)) => refused("krl: only for KUKA arms, not for a UR"),
-            (Some(Tp), Ok(true) | Err(_)) => refused("tp: only for Fanuc arms, not for a UR"),
-            (Some(format @ (Urscript | UrscriptMovep | Rapid | Krl | Tp | Csv | Nothing)), _) => Ok(format),
+            Err(why) => refused(why),
         }
+    }
+}
+
+impl ProgramFormat {
+    /// The format of a language; of the two for URScript the stream.
+    fn of_language(language: ProgramLanguage) -> Self {
+        match language {
+            ProgramLanguage::UrScript => Self::Urscript,
+            ProgramLanguage::Rapid => Self::Rapid,
+            ProgramLanguage::Krl => Self::Krl,
+            ProgramLanguage::Tp => Self::Tp,
+        }
+    }
+
+    /// What it is written in; none for those that no controller reads.
+    fn language(self) -> Option<ProgramLanguage> {
+        match self {
+            Self::Urscript | Self::UrscriptMovep => Some(ProgramLanguage::UrScript),
+            Self::Rapid => Some(ProgramLanguage::Rapid),
+            Self::Krl => Some(ProgramLanguage::Krl),
+            Self::Tp => Some(ProgramLanguage::Tp),
+            Self::Csv | Self::None => None,
+        }
+    }
+
+    /// As the option names it.
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }

@@ -1,6 +1,7 @@
 //! Summary for the operator: a table on stdout, and on top of the report. All other figures are in the report, behind a
 //! fold, and in the summary.
 
+use super::axes;
 use crate::args::Stage;
 use crate::choice::Choice;
 use crate::guide::Guide;
@@ -74,6 +75,9 @@ pub fn table(job: &Job, results: &Results) -> Table {
     row("checks", checks(results));
     if args.stage >= Stage::Gcode {
         row("machine file", folder.path().join("toolpath.gcode").display().to_string());
+    }
+    if results.files.axes.is_some() {
+        row("program of axes", folder.path().join(axes::FILE).display().to_string());
     }
     row("open", folder.path().join("report.html").display().to_string());
     table

@@ -15,25 +15,20 @@ use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Findings, Severity};
 use curvlay_examples::motion::NO_HOME;
 use curvlay_examples::motion::programs::{
-    blended, blended_options, full_scale, pieces, program_name, stream, takes_stream, targets, urscript_options,
+    blended, blended_options, pieces, program_name, stream, takes_stream, targets, urscript_options,
 };
 use curvlay_examples::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBack};
+use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, TargetProgram, write_targets};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::print_program::StreamOptions;
-use curvlay_kinematics::program::{
-    KrlOptions, ProgramLimits, RapidOptions, Step, TpOptions, UrScriptOptions, WriteError, write_csv, write_krl,
-    write_rapid, write_tp, write_urscript,
-};
-use curvlay_kinematics::workcell::{Equipment, Workcell};
+use curvlay_kinematics::program::{ProgramLimits, Step, UrScriptOptions, WriteError, write_csv, write_urscript};
+use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::PrintPlan;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::ops::Range;
-
-/// Moves of a RAPID module, half a megabyte.
-const MODULE_MOVES: u32 = 5000;
 
 /// What came of it.
 #[derive(Default)]
@@ -93,7 +88,9 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
     let written = match format {
         ProgramFormat::UrscriptMovep => blends(cell, plan, folder),
-        ProgramFormat::Krl | ProgramFormat::Tp | ProgramFormat::Rapid => modules(cell, plan, format, most, folder),
+        ProgramFormat::Krl => modules(cell, plan, (TargetLanguage::Krl, most), folder),
+        ProgramFormat::Tp => modules(cell, plan, (TargetLanguage::Tp, most), folder),
+        ProgramFormat::Rapid => modules(cell, plan, (TargetLanguage::Rapid, most), folder),
         _ if is_stream => streams(cell, plan, format, folder),
         _ => csv_targets(cell, plan, folder),
     };
@@ -179,8 +176,7 @@ fn csv_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
 fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
-    format: ProgramFormat,
-    most: Option<u32>,
+    (language, moves_per_file): (TargetLanguage, Option<u32>),
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let pieces = pieces(plan);
@@ -194,8 +190,8 @@ fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
             Ok(BufWriter::new(file))
         };
         let steps = targets(cell, plan, piece.clone());
-        let (main, moves) =
-            write_modules(steps, (cell.equipment(), plan.max_filament_mm_s()), format, most, name, &mut open)?;
+        let format = TargetFormat { name, language, moves_per_file, max_filament_mm_s: plan.max_filament_mm_s() };
+        let TargetProgram { main, moves } = write_targets(steps, cell.equipment(), &format, &mut open)?;
         programs.files += unfinished.len() - before;
         programs.steps += moves;
         list += &listed(plan, piece, &main, moves);
@@ -205,37 +201,6 @@ fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
     }
     folder.write("programs.csv", list)?;
     Ok(programs)
-}
-
-/// Writes one program; its main file, and its moves.
-fn write_modules<O: Write>(
-    steps: impl Iterator<Item = Step>,
-    (equipment, filament_mm_s): (&Equipment, f64),
-    format: ProgramFormat,
-    most: Option<u32>,
-    name: String,
-    open: &mut impl FnMut(&str) -> io::Result<O>,
-) -> Result<(String, u64), WriteError> {
-    let filament_full_scale_mm_s = full_scale(filament_mm_s);
-    match format {
-        ProgramFormat::Krl => {
-            let options = KrlOptions::of_workcell(equipment);
-            let moves_per_module = most.unwrap_or(options.moves_per_module);
-            let options = KrlOptions { name: name.clone(), moves_per_module, filament_full_scale_mm_s, ..options };
-            Ok((format!("{name}.src"), write_krl(steps, &options, open)?.moves))
-        }
-        ProgramFormat::Tp => {
-            let options = TpOptions::of_workcell(equipment);
-            let moves_per_program = most.unwrap_or(options.moves_per_program);
-            let options = TpOptions { name: name.clone(), moves_per_program, filament_full_scale_mm_s, ..options };
-            Ok((format!("{name}.ls"), write_tp(steps, &options, open)?.moves))
-        }
-        _ => {
-            let moves_per_module = most.unwrap_or(MODULE_MOVES);
-            let options = RapidOptions { name: name.clone(), moves_per_module, ..RapidOptions::of_workcell(equipment) };
-            Ok((format!("{name}.mod"), write_rapid(steps, &options, open)?.moves))
-        }
-    }
 }
 
 /// Whether a file of this name is a program: `print_001.script` or `.csv`; in RAPID `print.mod` with its modules `print_001.mod`, or `print1.mod`

@@ -1,5 +1,6 @@
 //! Parts with directions of their own, printed one after another in flat layers: layers, tool paths, joint motion, programs.
 
+use super::target_programs::{TargetFormat, TargetLanguage, target_files};
 use super::{
     OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
 };
@@ -10,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::outcome::Failure;
 use crate::output::is_numbered;
 use crate::viewer::{self, Robot, Step};
-use curvlay_kinematics::program::{RapidOptions, write_urscript};
+use curvlay_kinematics::program::write_urscript;
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
 use curvlay_kinematics::{PlateOptions, place_on_plate};
 use curvlay_layers::planar::{FlatLayers, cells_by_flat_layer};
@@ -42,13 +43,15 @@ const DEPTH: f64 = 0.25;
 /// the number of a module behind it.
 /// ```
 /// use curvlay_examples::motion::is_program;
-/// let ours = ["print_001.script", "print_012_filament_2.script", "print_001.mod", "print_001_002.mod", "print_001_filament_1_003.mod"];
+/// let ours = ["print_001.script", "print_012_filament_2.script", "print_001.mod", "print_001_002.mod", "print_001_filament_1_003.mod", "print_001.src", "print_001.dat", "print_001_002.ls"];
 /// assert!(ours.into_iter().all(is_program));
 /// let others = ["print_my_life.script", "print_cell_setup.mod", "print_1.mod", "print_001_filament_.mod", "print_001_2.mod", "print_001_002.script"];
 /// assert!(!others.into_iter().any(is_program));
 /// ```
 pub fn is_program(name: &str) -> bool {
-    let Some((stem, ending)) = name.rsplit_once('.').filter(|(_, ending)| matches!(*ending, "script" | "mod")) else {
+    let Some((stem, ending)) =
+        name.rsplit_once('.').filter(|(_, ending)| matches!(*ending, "script" | "mod" | "src" | "dat" | "ls"))
+    else {
         return false;
     };
     let is_piece = |stem: &str| {
@@ -57,7 +60,7 @@ pub fn is_program(name: &str) -> bool {
     };
     let is_module =
         || stem.rsplit_once('_').is_some_and(|(piece, part)| is_piece(piece) && is_numbered(part, "", 3, ""));
-    is_piece(stem) || (ending == "mod" && is_module())
+    is_piece(stem) || (ending != "script" && is_module())
 }
 
 /// What is printed, and how.
@@ -198,6 +201,8 @@ fn least_height_mm(parts: &[FlatLayers]) -> f64 {
 /// Of the first step that fails; what cannot be printed or reached is no error, but listed.
 pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result<Printed, Failure> {
     let layers = print.layers;
+    // A controller whose language is not written is refused before anything is planned.
+    let language = if print.moves { TargetLanguage::of(cell.equipment())? } else { None };
     let all = || layers.iter().flat_map(|part| part.layers.iter().map(|layer| (layer, part.direction)));
     let surfaces: Vec<LayerSurface> =
         all().map(|(layer, _)| (&layer.vertices[..], &layer.triangles[..], &layer.thickness[..]).into()).collect();
@@ -215,8 +220,8 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
         let contacts = stack.contacts(&plan.resolved.paths, &nozzle, &options, &progress)?;
         let work = Work { print, layers, plan: &plan, contacts: &contacts, bars };
         Some(match cell {
-            AnyWorkcell::Six(cell) => work.motion(cell, &PrintOptions::default())?,
-            AnyWorkcell::Eight(cell) => work.motion(cell, &table_options())?,
+            AnyWorkcell::Six(cell) => work.motion(cell, &PrintOptions::default(), language)?,
+            AnyWorkcell::Eight(cell) => work.motion(cell, &table_options(), language)?,
         })
     } else {
         None
@@ -245,9 +250,9 @@ impl Work<'_> {
         &self,
         cell: &W,
         options: &PrintOptions<N, F>,
+        language: Option<TargetLanguage>,
     ) -> Result<Moved, Failure> {
         let Work { print, plan, contacts, bars, .. } = *self;
-        let takes_stream = programs::takes_stream(cell.equipment()).map_err(Failure::new)?;
         let plate_mm = plate_mm(print.mesh);
         let place = PlateOptions {
             stop_margin: options.stop_margin,
@@ -291,7 +296,7 @@ impl Work<'_> {
         let filament = |run: usize| self.filament(part_of(self.layers, motion.runs[run].layer as usize));
         let cuts = (1..motion.runs.len()).filter(|&run| filament(run) != filament(run - 1)).collect();
         let motion = from_home(&motion, &cuts, &robot, scene, (&limits, options), &progress)?;
-        let mut moved = self.moved(cell, &motion, takes_stream)?;
+        let mut moved = self.moved(cell, &motion, language)?;
         let (steps, robot) = shown::played(cell, &frame_part, &motion, &plan.resolved.paths);
         (moved.steps, moved.robot) = (steps, Some(robot));
         moved.nozzle = Some(shown::nozzle(&cell.equipment().model().nozzle));
@@ -307,7 +312,7 @@ impl Work<'_> {
         &self,
         cell: &W,
         motion: &print::PrintPlan<N, F>,
-        takes_stream: bool,
+        language: Option<TargetLanguage>,
     ) -> Result<Moved, Failure> {
         let part = |run: usize| part_of(self.layers, motion.runs[run].layer as usize);
         let filament = |run: usize| self.filament(part(run));
@@ -330,15 +335,16 @@ impl Work<'_> {
                 1 => format!("print_{:03}", number + 1),
                 _ => format!("print_{:03}_filament_{}", number + 1, filament(piece.start) + 1),
             };
-            if takes_stream {
+            let Some(language) = language else {
                 let options = programs::urscript_options(cell, motion, &name);
                 let mut file = Vec::new();
                 write_urscript(programs::stream(cell, motion, piece), &options, &mut file)?;
                 moved.files.insert(format!("{name}.script"), file);
-            } else {
-                let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
-                moved.files.extend(programs::rapid_files(programs::targets(cell, motion, piece), &options)?);
-            }
+                continue;
+            };
+            let max_filament_mm_s = motion.max_filament_mm_s();
+            let format = TargetFormat { name, language, moves_per_file: None, max_filament_mm_s };
+            moved.files.extend(target_files(programs::targets(cell, motion, piece), cell.equipment(), &format)?);
         }
         Ok(moved)
     }

@@ -4,15 +4,11 @@ use curvlay_kinematics::print_program::{
     BlendOptions, BlendedSegment, PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_blended,
     print_pieces, print_stream, print_targets,
 };
-use curvlay_kinematics::program::{
-    FILAMENT_FULL_SCALE_MM_S, RapidOptions, Step, Straight, UrScriptOptions, WriteError, write_rapid,
-};
-use curvlay_kinematics::workcell::{Equipment, Workcell};
+use curvlay_kinematics::program::{FILAMENT_FULL_SCALE_MM_S, Step, Straight, UrScriptOptions};
+use curvlay_kinematics::workcell::{Equipment, ProgramLanguage, Workcell};
 use curvlay_trajectory::print::{PrintPlan, Run, Segment, SegmentKind, Travel};
-use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, Write};
+use std::collections::BTreeSet;
 use std::ops::Range;
-use std::sync::{Arc, Mutex};
 
 /// Postures by which the nozzle lifts off, and by which it comes down, in a program of targets.
 pub const LIFT_POSTURES: u32 = 4;
@@ -26,6 +22,21 @@ pub fn takes_stream(equipment: &Equipment) -> Result<bool, &'static str> {
         (true, Some(_)) => Err("the controller of a UR moves no table"),
         (is_ur, _) => Ok(is_ur),
     }
+}
+
+/// The languages that the controller of a cell takes, its own first: the one that the workcell or the arm's maker names; for an arm that is
+/// given by lengths and is not of the type of Universal Robots all those of targets; none for a maker whose language is not written.
+///
+/// # Errors
+/// As of [`takes_stream`].
+pub fn languages(equipment: &Equipment) -> Result<Vec<ProgramLanguage>, &'static str> {
+    use ProgramLanguage::{Krl, Rapid, Tp};
+    takes_stream(equipment)?;
+    let is_named = equipment.model().controller.language.is_some() || equipment.catalogue_arm().is_some();
+    Ok(match equipment.language() {
+        Some(Rapid) if !is_named => vec![Rapid, Krl, Tp],
+        language => language.into_iter().collect(),
+    })
 }
 
 /// Steps of a program of joints over time: 13 minutes of motion in about 13 MB. B. Brooks (2016, section 4.14) could not load 180,000 lines.
@@ -202,42 +213,4 @@ pub fn targets<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
         before.into_iter().chain([TargetMotion { knots: run.passes.iter().map(knot).collect(), onward, head: None }])
     });
     print_targets(cell, motions, TargetOptions::default())
-}
-
-/// The files of a RAPID program, by name: the main module and its parts.
-///
-/// # Errors
-/// As of [`write_rapid`].
-pub fn rapid_files(
-    steps: impl IntoIterator<Item = Step>,
-    options: &RapidOptions,
-) -> Result<BTreeMap<String, Vec<u8>>, WriteError> {
-    let mut files: Vec<(String, Shared)> = Vec::new();
-    write_rapid(steps, options, |name| {
-        let file = Shared::default();
-        files.push((name.to_owned(), file.clone()));
-        Ok(file)
-    })?;
-    Ok(files.into_iter().map(|(name, file)| (name, file.take())).collect())
-}
-
-/// Bytes that a writer fills while it is elsewhere.
-#[derive(Clone, Default)]
-struct Shared(Arc<Mutex<Vec<u8>>>);
-
-impl Shared {
-    fn take(&self) -> Vec<u8> {
-        self.0.lock().map(|mut bytes| std::mem::take(&mut *bytes)).unwrap_or_default()
-    }
-}
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.lock().map_err(|_| io::Error::other("a writer panicked"))?.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }

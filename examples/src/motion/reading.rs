@@ -36,6 +36,14 @@ pub fn workcell_model(given: &Path) -> Result<WorkcellModel, Failure> {
     model.with_urdf(&mut beside).map_err(|error| failed(&error))
 }
 
+/// The workcell that a user names, or the one of a file that comes along.
+///
+/// # Errors
+/// As of [`workcell_model`].
+pub fn workcell_or(given: Option<&Path>, shipped: &str) -> Result<WorkcellModel, Failure> {
+    given.map_or_else(|| Ok(WorkcellModel::from_json(shipped.as_bytes())?), workcell_model)
+}
+
 /// The workcell of a model, whose link meshes are beside the file that it is from.
 ///
 /// # Errors
