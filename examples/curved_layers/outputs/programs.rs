@@ -23,8 +23,8 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    KrlOptions, ProgramLimits, RapidOptions, Step, TpOptions, UrScriptOptions, WriteError, write_csv, write_krl,
-    write_rapid, write_tp, write_urscript,
+    KrlOptions, ProgramLimits, RapidOptions, Step, TpOptions, UrScriptOptions, WriteError, write_csv,
+    write_csv_on_track, write_krl, write_rapid, write_tp, write_urscript,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::PrintPlan;
@@ -170,7 +170,11 @@ fn csv_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
-    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| write_csv(targets(cell, plan, piece), &limits, out);
+    let is_track = cell.equipment().track().is_some();
+    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| {
+        let steps = targets(cell, plan, piece);
+        if is_track { write_csv_on_track(steps, &limits, out) } else { write_csv(steps, &limits, out) }
+    };
     let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
     of_pieces(plan, moves, "csv", folder, write)
 }

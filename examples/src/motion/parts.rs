@@ -1,7 +1,8 @@
 //! Parts with directions of their own, printed one after another in flat layers: layers, tool paths, joint motion, programs.
 
 use super::{
-    OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
+    OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, track_options,
+    waypoints,
 };
 use crate::bars::Bars;
 use crate::count::counted;
@@ -216,6 +217,7 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
         let work = Work { print, layers, plan: &plan, contacts: &contacts, bars };
         Some(match cell {
             AnyWorkcell::Six(cell) => work.motion(cell, &PrintOptions::default())?,
+            AnyWorkcell::Seven(cell) => work.motion(cell, &track_options())?,
             AnyWorkcell::Eight(cell) => work.motion(cell, &table_options())?,
         })
     } else {
