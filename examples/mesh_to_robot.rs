@@ -8,7 +8,7 @@ use curvlay_examples::args::{self, Failure, Outcome};
 use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, write_targets};
 use curvlay_examples::motion::{
     OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of, programs, table_options,
-    workcell_model, workcell_of,
+    track_options, workcell_model, workcell_of,
 };
 use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell, WorkcellModel};
@@ -69,6 +69,7 @@ fn mesh_to_robot() -> Result<Outcome, Failure> {
     println!("{} cells missed, {} pieces left out", layered.growth.missed.len(), plan.resolved.left_out.len());
     match &cell {
         AnyWorkcell::Six(cell) => print(cell, &grown, &plan, &contacts, &PrintOptions::default(), (&out, &inputs)),
+        AnyWorkcell::Seven(cell) => print(cell, &grown, &plan, &contacts, &track_options(), (&out, &inputs)),
         AnyWorkcell::Eight(cell) => print(cell, &grown, &plan, &contacts, &table_options(), (&out, &inputs)),
     }
 }

@@ -51,6 +51,7 @@ fn check_cell() -> Result<Outcome, Failure> {
     }
     let found = match &cell {
         AnyWorkcell::Six(cell) => postures::of(cell),
+        AnyWorkcell::Seven(cell) => postures::of(cell),
         AnyWorkcell::Eight(cell) => postures::of(cell),
     };
     shown::print(&cell, &found);

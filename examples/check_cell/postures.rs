@@ -18,7 +18,7 @@ const PLATE_MM: f64 = 100.0;
 /// What is to be seen at a posture.
 pub struct Posture {
     pub title: String,
-    /// The joints, radians: those of the arm, then tilt and turn of a table. `None` where none is found.
+    /// The joints, radians: those of the arm, then tilt and turn of a table, or a track in its own units. `None` where none is found.
     pub joints: Option<Vec<f64>>,
     /// Flange in the base; the tool in the base (or the part's frame in it, if the arm holds the part).
     pub flange: Isometry3<f64>,
@@ -33,7 +33,10 @@ pub struct Posture {
 
 /// The three postures of a workcell.
 pub fn of<const N: usize, const F: usize, W: Workcell<N, F>>(cell: &W) -> Vec<Posture> {
-    let zero = posture(cell, "all joints at 0", Some([0.0; N]));
+    let has_track = cell.equipment().track().is_some();
+    let zero_title =
+        if has_track { "all joints at 0, the track in the middle of its range" } else { "all joints at 0" };
+    let zero = posture(cell, zero_title, Some([0.0; N]));
     let home = match cell.equipment().home::<N>() {
         Some(home) => posture(cell, "home (home_deg)", Some(home)),
         None => {

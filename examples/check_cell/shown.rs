@@ -1,6 +1,7 @@
 //! The postures as a pendant shows them.
 
 use crate::postures::Posture;
+use curvlay_kinematics::Track;
 use curvlay_kinematics::nalgebra::Isometry3;
 use curvlay_kinematics::robots::Maker;
 use curvlay_kinematics::workcell::{AnyWorkcell, Equipment, Held, tool_frame};
@@ -37,18 +38,22 @@ pub fn print(cell: &AnyWorkcell, postures: &[Posture]) {
             println!("nozzle, in the base: {}", shown(&tool_frame(&equipment.nozzle_frame().1), maker));
         }
     }
-    postures.iter().for_each(|posture| of(posture, maker));
+    postures.iter().for_each(|posture| of(posture, maker, equipment.track()));
 }
 
-fn of(posture: &Posture, maker: Maker) {
+fn of(posture: &Posture, maker: Maker, track: Option<&Track>) {
     println!("\n{}", posture.title);
     let Some(joints) = &posture.joints else { return };
-    let names: Vec<String> = joints
+    let turning = joints.len() - usize::from(track.is_some());
+    let names: Vec<String> = joints[..turning]
         .iter()
         .enumerate()
         .map(|(k, angle)| format!("{} {}", joint(maker, k), fixed(angle.to_degrees(), 3)))
         .collect();
     println!("  joints, deg: {}", names.join("  "));
+    if let Some((track, place)) = track.zip(joints.last()) {
+        println!("  track, mm: {}", fixed(track.mm(*place), 3));
+    }
     println!("  flange in base: {}", shown(&posture.flange, maker));
     println!("  tool in base:   {}", shown(&posture.tool, maker));
     posture.on_part.iter().for_each(|frame| println!("  nozzle on part: {}", shown(frame, maker)));

@@ -454,8 +454,8 @@ pub fn plan(planned: &Planned, cell: &AnyWorkcell, head: &TapeHead, bars: &Bars)
 pub fn six_axes(cell: &AnyWorkcell) -> Result<&SixAxisWorkcell, Failure> {
     match cell {
         AnyWorkcell::Six(cell) => Ok(cell),
-        AnyWorkcell::Eight(_) => Err(Failure::of_arguments(
-            "--workcell: the tapes are laid by an arm without a table: give a workcell of six axes",
+        AnyWorkcell::Seven(_) | AnyWorkcell::Eight(_) => Err(Failure::of_arguments(
+            "--workcell: the tapes are laid by an arm without a table or a track: give a workcell of six axes",
         )),
     }
 }

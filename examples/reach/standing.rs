@@ -142,8 +142,9 @@ pub fn bare_cell(arm: &str, platform_mm: f64) -> WorkcellModel {
             block_top_mm: 61.0,
         },
         roller: None,
-        plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
+        plate: PlateModel { thickness_mm: 4.0, diameter_mm: None, size_mm: None },
         positioner: None,
+        track: None,
         home_deg: None,
         controller: ControllerModel::default(),
         stand: None,
@@ -211,7 +212,7 @@ fn standing_at(cell: &AnyWorkcell) -> Result<Point3<f64>, Failure> {
     let model = cell.equipment().model();
     Ok(match cell {
         AnyWorkcell::Six(_) if model.held == Held::Part => Point3::from(model.nozzle.tip_mm),
-        AnyWorkcell::Six(_) => Point3::from(model.part.position_mm),
+        AnyWorkcell::Six(_) | AnyWorkcell::Seven(_) => Point3::from(model.part.position_mm),
         AnyWorkcell::Eight(cell) => {
             let stance =
                 cell.frames(&[0.0; 8]).ok_or_else(|| Failure::new("the table has no zero within its limits"))?;
@@ -296,6 +297,9 @@ impl Rated {
         let scene = &self.scenes[index / self.in_layer];
         match &self.cell {
             AnyWorkcell::Six(cell) => {
+                BestPosture::new(cell, scene, [self.angles], COMFORTABLE_MM).ok()?.assess(waypoint)
+            }
+            AnyWorkcell::Seven(cell) => {
                 BestPosture::new(cell, scene, [self.angles], COMFORTABLE_MM).ok()?.assess(waypoint)
             }
             AnyWorkcell::Eight(cell) => {

@@ -27,7 +27,7 @@
 //!
 //! # Who stands on whom
 //!
-//! From below: angles, poses, limits; [`Arm`] and [`Positioner`]; targets ([`program::Target`]); [`Setup`] and [`scene`]; [`workcell`];
+//! From below: angles, poses, limits; [`Arm`], [`Positioner`] and [`Track`]; targets ([`program::Target`]); [`Setup`] and [`scene`]; [`workcell`];
 //! placement. [`program`] stands on arms and targets and knows no workcell, [`workcell`] knows no program. [`print_program`] stands on
 //! both. Calibration stands on arms, [`stewart`] on poses alone, [`machine`]
 //! on angles alone.
@@ -50,6 +50,7 @@ pub mod scene;
 mod setup;
 pub mod stewart;
 mod target;
+mod track;
 mod trig;
 #[cfg(feature = "urdf")]
 pub mod urdf;
@@ -75,3 +76,4 @@ pub use pose::{InvalidPose, PoseError, pose_from_matrix};
 pub use positioner::{Positioner, PositionerError, PositionerModel};
 pub use progress::{Progress, ProgressFn};
 pub use setup::{Configuration, Setup, SetupError, SetupFrames, TableSetup, Waypoint, nozzle_frame};
+pub use track::{Track, TrackError, TrackModel};

@@ -175,6 +175,14 @@ impl Setup {
         Ok(Setup { arm, held: Held::Nozzle, flange_held: flange_nozzle, base_other: base_part })
     }
 
+    /// The same setup with the base of the arm elsewhere: what the arm does not hold stays where it is, and is given in the frame of the base from now on.
+    ///
+    /// # Arguments
+    /// * `shift`: how far the base has gone, in millimetres, in the frame that it had.
+    pub fn with_base_at(&self, shift: &Vector3<f64>) -> Self {
+        Setup { base_other: Translation3::from(-shift) * self.base_other, ..*self }
+    }
+
     /// The arm.
     pub fn arm(&self) -> &Arm {
         &self.arm

@@ -16,12 +16,12 @@ pub struct MotionArgs {
     /// Plans the motion of an IRB 1200 over a table that tilts and turns, instead of a UR3 that holds the part
     #[arg(long, conflicts_with = "workcell")]
     pub cell8: bool,
-    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; three are in examples/cells), or in an assumed one around
+    /// Plans the motion in the workcell of a JSON file (kinematics/docs/workcells.md; four are in examples/cells), or in an assumed one around
     /// an arm: its name (examples/cells/arms.json, such as ur10e) or a URDF
     #[arg(long, value_name = "FILE|ARM")]
     pub workcell: Option<PathBuf>,
     /// Format of the robot programs of stage motion [default: that of `controller.language` in the workcell's file, else that of the arm's maker:
-    /// urscript, rapid, krl or tp; csv for other makers and for an arm of Universal Robots with a table]
+    /// urscript, rapid, krl or tp; csv for other makers and for an arm of Universal Robots with a table or on a track]
     #[arg(long, value_name = "FORMAT")]
     pub program: Option<ProgramFormat>,
     /// Maximum acceleration of the joints, in rad/s2; inf for no limit [default: that of the workcell; 10 in those that come along, which
@@ -62,11 +62,11 @@ pub struct MotionArgs {
 /// What a program is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProgramFormat {
-    /// For arms of Universal Robots without a table: joints 125 times a second
+    /// For arms of Universal Robots without a table or a track: joints 125 times a second
     Urscript,
     /// For the same: lines with blends, some hundred a minute, which stay within 0.1 mm of the path; the controller makes the joints itself
     UrscriptMovep,
-    /// For ABB arms: targets on the part, with the axes of a table
+    /// For ABB arms: targets on the part, with the axes of a table or a track
     Rapid,
     /// For KUKA arms (KSS 8): the same targets
     Krl,

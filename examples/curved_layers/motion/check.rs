@@ -30,7 +30,7 @@ impl Motion {
     pub fn check(&mut self, print: &Print, file: impl BufRead, bars: &Bars) -> Result<bool, Failure> {
         of_run!(self, run => {
             let cell = (&run.cell, &run.frame_part);
-            let checked = check(print, cell, &run.limits, &read_csv(file)?, bars)?;
+            let checked = check(print, cell, &run.limits, &read_csv(file, run.cell.equipment().track())?, bars)?;
             run.take_in(checked);
             print.withhold(run, bars)
         })

@@ -2,7 +2,7 @@
 
 use super::args::ProgramFormat;
 use super::checked::Checked;
-use curvlay_kinematics::workcell::{EightAxisWorkcell, SixAxisWorkcell};
+use curvlay_kinematics::workcell::{EightAxisWorkcell, SevenAxisWorkcell, SixAxisWorkcell};
 use curvlay_trajectory::check::FindingClass;
 use curvlay_trajectory::print::{PrintLimits, PrintOptions, PrintPlan};
 use nalgebra::Isometry3;
@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 /// What came of the stage, by the kind of cell.
 pub enum Motion {
     Six(Box<MotionRun<6, 1, SixAxisWorkcell>>),
+    Seven(Box<MotionRun<7, 1, SevenAxisWorkcell>>),
     Eight(Box<MotionRun<8, 2, EightAxisWorkcell>>),
 }
 
@@ -42,6 +43,7 @@ macro_rules! of_run {
     ($motion:expr, $run:ident => $does:expr) => {
         match $motion {
             $crate::motion::Motion::Six($run) => $does,
+            $crate::motion::Motion::Seven($run) => $does,
             $crate::motion::Motion::Eight($run) => $does,
         }
     };

@@ -9,10 +9,11 @@ use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::motion::{
-    OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, table_options, waypoints,
+    OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, table_options, track_options, turning_joints,
+    waypoints,
 };
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell};
-use curvlay_kinematics::{JointLimits, PlateOptions, place_on_plate};
+use curvlay_kinematics::{PlateOptions, place_on_plate};
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_toolpath::gouging::{GougingOptions, Nozzle};
 use curvlay_trajectory::Bounds;
@@ -44,11 +45,15 @@ pub struct Print<'a> {
 }
 
 impl Print<'_> {
-    fn limits<const N: usize>(&self, limits: &JointLimits<N>) -> PrintLimits<N> {
+    fn limits<const N: usize, const F: usize>(&self, cell: &impl Workcell<N, F>) -> PrintLimits<N> {
         let MotionArgs { acceleration_rad_s2, jerk_rad_s3, max_flow_mm3_s, max_flow_ramp_mm3_s2, tolerance, .. } =
             *self.args;
-        let bounds = bounds_of(limits);
-        let wanted = |limits: [f64; N], wanted: Option<f64>| wanted.map_or(limits, |limit| [limit; N]);
+        let bounds = bounds_of(cell.limits());
+        // A track has limits of its own.
+        let turning = turning_joints(cell.equipment(), N);
+        let wanted = |limits: [f64; N], wanted: Option<f64>| {
+            std::array::from_fn(|joint| wanted.filter(|_| joint < turning).unwrap_or(limits[joint]))
+        };
         let (acceleration, jerk) = (wanted(bounds.acceleration, acceleration_rad_s2), wanted(bounds.jerk, jerk_rad_s3));
         PrintLimits {
             bounds: Bounds { acceleration, jerk, ..bounds },
@@ -95,7 +100,7 @@ impl Print<'_> {
         let plate_mm = self.field.platform_diameter_mm();
         let progress = |p: curvlay_kinematics::Progress| bars.show(p.stage, p.done, p.total);
         let frame_part = place_on_plate(cell, &all, plate_mm, &place, &progress)?;
-        let limits = self.limits(cell.limits());
+        let limits = self.limits(cell);
         let paths = PlacedPaths::new(&self.machine.resolved.paths, &self.machine.deposition, &frame_part);
         let progress = |p: curvlay_trajectory::Progress| bars.show(p.stage, p.done, p.total);
         let (plan, home) = self.in_workcell((cell, &frame_part), PLANNED_DEPTH, bars, |growing| {
@@ -208,6 +213,7 @@ pub fn run(print: &Print, cell: &AnyWorkcell, bars: &Bars) -> Result<Motion, Fai
     let format = print.args.format(cell)?;
     Ok(match cell {
         AnyWorkcell::Six(cell) => Motion::Six(Box::new(print.plan(cell, (&PrintOptions::default(), format), bars)?)),
+        AnyWorkcell::Seven(cell) => Motion::Seven(Box::new(print.plan(cell, (&track_options(), format), bars)?)),
         AnyWorkcell::Eight(cell) => Motion::Eight(Box::new(print.plan(cell, (&table_options(), format), bars)?)),
     })
 }

@@ -6,6 +6,7 @@ use crate::motion::{Checked, MotionRun};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::count::counted;
+use curvlay_examples::motion::turning_joints;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
 use curvlay_examples::render::{Camera, INK, PLATFORM, Scene, layer_colour};
@@ -13,6 +14,7 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
+use curvlay_kinematics::Track;
 use curvlay_kinematics::scene::{Body, Mount, Shape};
 use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
 use curvlay_trajectory::check::{FindingClass, FindingPlace, JointPeaks, PrintPeak};
@@ -103,8 +105,9 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
     let bodies = cell.equipment().link_bodies().filter(|_| !without_links);
     let times = &run.times;
     let worst = run.layers.iter().map(|layer| factor(layer, PlanTimes::all));
+    let turning = turning_joints(cell.equipment(), N);
     let limit = |values: [f64; N]| {
-        let least = values.into_iter().fold(f64::INFINITY, f64::min);
+        let least = values[..turning].iter().copied().fold(f64::INFINITY, f64::min);
         if least.is_finite() { Value::from(least) } else { Value::from("none") }
     };
     summary
@@ -140,14 +143,22 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("astray", run.count(FaultKind::PathDeviation))?
         .set("transfers", run.travels.len())?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
-    found.iter().try_for_each(|found| checked(found, summary))
+    found.iter().try_for_each(|found| checked(found, cell.equipment().track(), summary))
 }
 
 /// Figures of the check.
-fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Result<(), Failure> {
+fn checked<const N: usize>(checked: &Checked<N>, track: Option<&Track>, summary: &mut Summary) -> Result<(), Failure> {
     let report = &checked.report.print;
     let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
-    for (joint, peaks) in report.joints.iter().enumerate() {
+    let (turning, on_track) = report.joints.split_at(N - usize::from(track.is_some()));
+    for (track, peaks) in track.iter().zip(on_track) {
+        let mm = track.mm_per_unit();
+        summary
+            .set("max_velocity_track_mm_s", mm * peaks.velocity.value.abs())?
+            .set("max_acceleration_track_mm_s2", mm * peaks.acceleration.value.abs())?
+            .set("max_jerk_track_mm_s3", mm * peaks.jerk.value.abs())?;
+    }
+    for (joint, peaks) in turning.iter().enumerate() {
         let joint = joint + 1;
         summary
             .set(&format!("max_velocity_q{joint}_rad_s"), peaks.velocity.value.abs())?
@@ -172,15 +183,16 @@ fn checked<const N: usize>(checked: &Checked<N>, summary: &mut Summary) -> Resul
 }
 
 /// The table on stdout: the plan, and its check.
-pub fn rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table: &mut Table) {
+pub fn rows<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>, table: &mut Table) {
     plan_rows(&run.plan, table);
     check_rows(run, table);
 }
 
-fn check_rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table: &mut Table) {
+fn check_rows<const N: usize, const F: usize, W: Workcell<N, F>>(run: &MotionRun<N, F, W>, table: &mut Table) {
     let Some(checked) = &run.checked else { return };
     let report = &checked.report.print;
-    let most = |of: fn(&JointPeaks) -> f64| report.joints.iter().map(of).fold(0.0, f64::max);
+    let turning = turning_joints(run.cell.equipment(), N);
+    let most = |of: fn(&JointPeaks) -> f64| report.joints[..turning].iter().map(of).fold(0.0, f64::max);
     let rates = format!(
         "{:.2} rad/s, {:.2} rad/s2, {:.1} rad/s3 at most; above a limit {:.2} % of the time",
         most(|joint| joint.velocity.value.abs()),
@@ -190,9 +202,13 @@ fn check_rows<const N: usize, const F: usize, W>(run: &MotionRun<N, F, W>, table
     );
     let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
     let found = FindingClass::ALL.map(|class| format!("{} {}", checked.report.count(class), class.name())).join(", ");
+    table.row(["checked in".to_owned(), seconds(checked.took)]).row(["joints".to_owned(), rates]);
+    if let (Some(track), Some(peaks)) = (run.cell.equipment().track(), report.joints.last()) {
+        let [speed, acceleration] =
+            [&peaks.velocity, &peaks.acceleration].map(|peak| track.mm_per_unit() * peak.value.abs());
+        table.row(["track".to_owned(), format!("{speed:.0} mm/s, {acceleration:.0} mm/s2 at most")]);
+    }
     table
-        .row(["checked in".to_owned(), seconds(checked.took)])
-        .row(["joints".to_owned(), rates])
         .row(["off the path, checked".to_owned(), format!("{:.3} mm at most", peak(&report.deviation))])
         .row(["nozzle in what is built".to_owned(), format!("{:.3} mm at most", peak(&report.depth))])
         .row(["motions with findings".to_owned(), found])
@@ -272,7 +288,7 @@ fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
         scene.bar(a, b, BONE, INK);
     }
     let bodies = run.cell.equipment().scene(PLATE_MM).bodies;
-    bodies.iter().for_each(|body| stand(body, &mut scene));
+    bodies.iter().for_each(|body| stand(body, &stance.arm[0], &mut scene));
     let carrier = stance.carrier * Point3::origin();
     let under = stance.part * Point3::new(0.0, 0.0, -PLATE);
     if (under - carrier).norm() > BONE {
@@ -298,12 +314,17 @@ fn moment_of<const N: usize, const F: usize, W: Workcell<N, F>>(
 }
 
 /// Draws a body on which the arm stands, to the millimetre; the floor is farther down.
-fn stand(body: &Body, scene: &mut Scene) {
-    let (Mount::Base, Shape::Hull { points, .. }) = (body.mount, &body.shape) else { return };
+fn stand(body: &Body, base: &Isometry3<f64>, scene: &mut Scene) {
+    let Shape::Hull { points, .. } = &body.shape else { return };
+    let mount = match body.mount {
+        Mount::Base => *base,
+        Mount::Ground | Mount::Rail => Isometry3::identity(),
+        Mount::Link(_) | Mount::Tilt | Mount::Table => return,
+    };
     if [NOZZLE, HOT_END].contains(&&body.name[..]) {
         return;
     }
-    let points = points.iter().map(|point| body.mount_body * point);
+    let points = points.iter().map(|point| mount * body.mount_body * point);
     let corner = |p: Point3<f64>| [p.x, p.y, p.z.max(-DRAWN_BELOW_MM)].map(|c| c.round() as i32);
     let mut hull = ConvexHull::new(Depth::default());
     if hull.insert(&points.map(corner).collect::<Vec<_>>()).is_ok() {

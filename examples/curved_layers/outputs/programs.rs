@@ -23,7 +23,9 @@ use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbere
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::print_program::StreamOptions;
-use curvlay_kinematics::program::{ProgramLimits, Step, UrScriptOptions, WriteError, write_csv, write_urscript};
+use curvlay_kinematics::program::{
+    ProgramLimits, Step, UrScriptOptions, WriteError, write_csv, write_csv_on_track, write_urscript,
+};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::PrintPlan;
 use std::fs::File;
@@ -167,7 +169,11 @@ fn csv_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
-    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| write_csv(targets(cell, plan, piece), &limits, out);
+    let is_track = cell.equipment().track().is_some();
+    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| {
+        let steps = targets(cell, plan, piece);
+        if is_track { write_csv_on_track(steps, &limits, out) } else { write_csv(steps, &limits, out) }
+    };
     let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
     of_pieces(plan, moves, "csv", folder, write)
 }

@@ -47,6 +47,9 @@ pub enum RobotFault {
     /// A kind of arm that is not known here.
     #[error("arm.geometry: such arms, and URDF, cannot be replayed yet: give its lengths or its name")]
     Arm,
+    /// An arm on a track, which is no axis here.
+    #[error("track: an arm on a linear track cannot be replayed yet")]
+    Track,
     /// A part in the hand, and a table.
     #[error("held: an arm that holds the part has no positioner")]
     PartOnTable,
@@ -249,6 +252,9 @@ impl Robot {
     /// # Errors
     /// [`RobotFault`] names the field.
     pub fn new(model: &WorkcellModel) -> Result<Self, RobotFault> {
+        if model.track.is_some() {
+            return Err(RobotFault::Track);
+        }
         let arm = arm_of(&model.arm.geometry)?;
         let calibration = model.arm.calibration.unwrap_or_default();
         let mut moved = [Frame::identity(); 5];
@@ -374,6 +380,7 @@ mod tests {
                 axes[..6].copy_from_slice(&arm);
                 let expected = match AnyWorkcell::new(model).unwrap() {
                     AnyWorkcell::Six(cell) => cell.nozzle_on_part(&arm),
+                    AnyWorkcell::Seven(_) => unreachable!("no cell here has a track"),
                     AnyWorkcell::Eight(cell) => {
                         (axes[6], axes[7]) = (tilt, turn);
                         cell.nozzle_on_part(&axes)

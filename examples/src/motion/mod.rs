@@ -11,11 +11,13 @@ mod reading;
 pub mod shown;
 mod studied;
 pub mod target_programs;
+mod track;
 
 pub use cells::{TABLE_CELL, UR3_CELL, link_mesh};
 pub use home::{NO_HOME, from_home, home};
 pub use on_cell::{OnCell, OverTable, PartInHand, bounds_of};
 pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
-pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, waypoints};
+pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, track_options, waypoints};
 pub use reading::{workcell_model, workcell_of, workcell_or};
 pub use studied::{STEP_S, Studied, centred, dissertation_cells, inside, near_samples};
+pub use track::turning_joints;

@@ -2,7 +2,8 @@
 
 use super::target_programs::{TargetFormat, TargetLanguage, target_files};
 use super::{
-    OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, waypoints,
+    OnCell, PlacedPaths, PrintingCell, bounds_of, from_home, nozzle_of, programs, shown, table_options, track_options,
+    waypoints,
 };
 use crate::bars::Bars;
 use crate::count::counted;
@@ -221,6 +222,7 @@ pub fn print_parts(print: &FlatPrint, cell: &AnyWorkcell, bars: &Bars) -> Result
         let work = Work { print, layers, plan: &plan, contacts: &contacts, bars };
         Some(match cell {
             AnyWorkcell::Six(cell) => work.motion(cell, &PrintOptions::default(), language)?,
+            AnyWorkcell::Seven(cell) => work.motion(cell, &track_options(), language)?,
             AnyWorkcell::Eight(cell) => work.motion(cell, &table_options(), language)?,
         })
     } else {

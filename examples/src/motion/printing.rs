@@ -75,6 +75,11 @@ pub fn table_options() -> PrintOptions<8, 2> {
     PrintOptions { samples, dense_samples, near_samples, doublings: 1, ..PrintOptions::default() }
 }
 
+/// How postures are searched along a track: its places, since the tool angle is given.
+pub fn track_options() -> PrintOptions<7, 1> {
+    PrintOptions { samples: [25], dense_samples: [241], near_samples: [49], doublings: 3, ..PrintOptions::default() }
+}
+
 /// Two bodies in words.
 fn named([a, b]: [&str; 2]) -> String {
     format!("{a} and {b}")

@@ -16,9 +16,12 @@ pub const LIFT_POSTURES: u32 = 4;
 /// Whether the controller of a cell takes joints over time (URScript), not targets (RAPID).
 ///
 /// # Errors
-/// In words, for an arm of Universal Robots with a table, which its controller does not move.
+/// In words, for an arm of Universal Robots with a table or on a track, which its controller does not move.
 pub fn takes_stream(equipment: &Equipment) -> Result<bool, &'static str> {
     match (equipment.arm().is_ur(), equipment.positioner()) {
+        (true, _) if equipment.track().is_some() => Err(
+            "URScript has no external axis, so it moves no track; programs in rapid, krl and tp do, of arms of ABB, KUKA and Fanuc",
+        ),
         (true, Some(_)) => Err("the controller of a UR moves no table"),
         (is_ur, _) => Ok(is_ur),
     }

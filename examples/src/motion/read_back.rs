@@ -4,7 +4,7 @@
 //! that a reader finds in the files.
 
 use super::programs::{samples, takes_stream};
-use curvlay_kinematics::program::{Goal, Move, Step};
+use curvlay_kinematics::program::{ExternalAxes, Goal, Move, Step};
 use curvlay_kinematics::scene::Mount;
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::{PrintPlan, Segment, SegmentKind};
@@ -157,8 +157,8 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Tool<'_, N, F, W> {
                 self.ends = [self.ends[0].or(Some(*joints)), Some(*joints)];
                 self.place = self.tip(&of_cell(joints));
             }
-            Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), speed, .. }) => {
-                read.off_mm = read.off_mm.max(self.lines.to(&tip_of(&target.pose)));
+            Step::Move(Move { goal: Goal::Line(target) | Goal::JointMove(target), table, speed, .. }) => {
+                read.off_mm = read.off_mm.max(self.lines.to(&Passed::of(&target.pose, *table)));
                 let length = self.pose.map_or(0.0, |from| self.kind.way(&from, &target.pose));
                 read.filament_mm += if self.is_on { self.fed * length / speed.mm_s } else { 0.0 };
                 (self.pose, self.ends[1]) = (Some(target.pose), None);
@@ -209,6 +209,29 @@ impl Kind {
     }
 }
 
+/// Where a line ends: the tool on the part, and the track, where there is one.
+#[derive(Clone, Copy)]
+struct Passed {
+    pose: Isometry3<f64>,
+    track_mm: Option<f64>,
+}
+
+impl Passed {
+    fn of(pose: &Isometry3<f64>, external: Option<ExternalAxes>) -> Self {
+        Passed { pose: *pose, track_mm: external.and_then(|axes| axes.track_mm()) }
+    }
+
+    /// How far the tip, or the track, is from that of another, in millimetres; infinite where one of the two has no track.
+    fn off_mm(&self, other: &Self) -> f64 {
+        let tip = (tip_of(&self.pose) - tip_of(&other.pose)).norm();
+        match (self.track_mm, other.track_mm) {
+            (Some(a), Some(b)) => tip.max((a - b).abs()),
+            (None, None) => tip,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
 fn tip_of(pose: &Isometry3<f64>) -> Point3<f64> {
     Point3::from(pose.translation.vector)
 }
@@ -221,7 +244,7 @@ struct Lines<'a, const N: usize, const F: usize, W> {
     runs: Range<usize>,
     kind: Kind,
     /// Where lines may end: from the last one that was reached on.
-    targets: Vec<Isometry3<f64>>,
+    targets: Vec<Passed>,
     /// Whether a run was not ended before the next one was begun.
     is_cut_short: bool,
 }
@@ -233,12 +256,12 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Lines<'_, N, F, W> {
             self.is_cut_short = true;
         }
         self.targets = self.runs.next().map_or(Vec::new(), |run| self.targets_of(run));
-        self.targets.first().copied()
+        self.targets.first().map(|at| at.pose)
     }
 
     /// A line to some place: how far that is from one that is to be passed.
-    fn to(&mut self, tip: &Point3<f64>) -> f64 {
-        let off_mm = |at: &Isometry3<f64>| (tip_of(at) - tip).norm();
+    fn to(&mut self, place: &Passed) -> f64 {
+        let off_mm = |at: &Passed| at.off_mm(place);
         let passed = self.targets.iter().position(|at| off_mm(at) <= MAX_OFF_MM);
         // Waypoints next to each other may be one place.
         let all =
@@ -249,8 +272,11 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Lines<'_, N, F, W> {
     }
 
     /// The tool at the waypoints, or at the samples, of a run, as a controller has it.
-    fn targets_of(&self, run: usize) -> Vec<Isometry3<f64>> {
-        let pose = |joints: &[f64; N]| self.cell.controller_pose(joints).map(|place| place.target.pose);
+    fn targets_of(&self, run: usize) -> Vec<Passed> {
+        let pose = |joints: &[f64; N]| {
+            let place = self.cell.controller_pose(joints)?;
+            Some(Passed { pose: place.target.pose, track_mm: place.track_mm })
+        };
         if matches!(self.kind, Kind::Blended { .. }) {
             let print = self.plan.segments(run..run + 1).find(|segment| segment.kind == SegmentKind::Print);
             return print

@@ -93,26 +93,48 @@ impl Arm {
         let flange = Point3::from(self.forward(joints).translation.vector);
         let velocity = direction.cross(&(flange - point));
         let acceleration = direction.cross(&velocity);
-        // In units of the longest link, so that lengths and angles weigh alike.
         let unit = 1.0 / self.longest_link();
-        let scaled = |mut matrix: Matrix6<f64>| {
-            matrix.fixed_rows_mut::<3>(0).scale_mut(unit);
-            matrix
-        };
-        let stacked = |linear: Vector3<f64>, angular: Vector3<f64>| {
-            let linear = linear * unit;
-            Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
-        };
-        let inverse = scaled(self.jacobian(joints, &Point3::origin())).try_inverse()?;
-        if inverse.iter().any(|entry| entry.is_nan() || entry.abs() > MAX_RATIO) {
-            return None;
-        }
+        let stacked = |linear, angular| stacked(unit, linear, angular);
+        let inverse = self.inverse_jacobian(joints, unit)?;
         let first: [f64; 6] = (inverse * stacked(velocity, direction.into_inner())).into();
-        let bent = scaled(self.jacobian_rate(joints, &first, &Point3::origin())) * Vector6::from(first);
+        let bent = scaled(unit, self.jacobian_rate(joints, &first, &Point3::origin())) * Vector6::from(first);
         let second = inverse * (stacked(acceleration, Vector3::zeros()) - bent);
         let second: [f64; 6] = second.into();
         first.iter().chain(&second).all(|rate| rate.is_finite()).then_some(Rates { first, second })
     }
+
+    /// How fast the joints turn while the flange moves straight with this velocity (in mm, in the base) and does not turn. `None` as of [`Arm::rates_about`].
+    /// ```
+    /// use curvlay_kinematics::{Arm, nalgebra::Vector3, robots};
+    /// let (arm, joints) = (Arm::new(&robots::UR3)?, [0.3, -1.0, 1.2, -0.4, 0.9, 0.1]);
+    /// let rates = arm.rates_along(&joints, &Vector3::new(10.0, 0.0, -5.0)).ok_or("singular")?;
+    /// let moved = arm.forward(&std::array::from_fn(|k| joints[k] + 1e-6 * rates[k]));
+    /// let way = (moved.translation.vector - arm.forward(&joints).translation.vector) * 1e6;
+    /// assert!((way - Vector3::new(10.0, 0.0, -5.0)).norm() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn rates_along(&self, joints: &[f64; 6], velocity: &Vector3<f64>) -> Option<[f64; 6]> {
+        let unit = 1.0 / self.longest_link();
+        let rates = self.inverse_jacobian(joints, unit)? * stacked(unit, *velocity, Vector3::zeros());
+        rates.iter().all(|rate| rate.is_finite()).then(|| rates.into())
+    }
+
+    /// The inverse of the Jacobian of the flange with lengths in units of the longest link, so that lengths and angles weigh alike.
+    fn inverse_jacobian(&self, joints: &[f64; 6], unit: f64) -> Option<Matrix6<f64>> {
+        let inverse = scaled(unit, self.jacobian(joints, &Point3::origin())).try_inverse()?;
+        let is_sound = inverse.iter().all(|entry| entry.abs() <= MAX_RATIO);
+        is_sound.then_some(inverse)
+    }
+}
+
+fn scaled(unit: f64, mut matrix: Matrix6<f64>) -> Matrix6<f64> {
+    matrix.fixed_rows_mut::<3>(0).scale_mut(unit);
+    matrix
+}
+
+fn stacked(unit: f64, linear: Vector3<f64>, angular: Vector3<f64>) -> Vector6<f64> {
+    let linear = linear * unit;
+    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
 
 fn plain(axes: &[(Point3<f64>, UnitVector3<f64>); 6]) -> [(Vector3<f64>, Vector3<f64>); 6] {

@@ -28,7 +28,7 @@ pub struct PlateOptions<const F: usize> {
     pub lever_mm: f64,
     /// Places from the middle of the plate to as far out as the part stays on it.
     pub steps: u32,
-    /// Turns of the part at each place, where neither the last joint nor a table turns it.
+    /// Turns of the part at each place, where neither the last joint nor a table turns it, and the plate is no rectangle.
     pub turns: u32,
 }
 
@@ -108,10 +108,16 @@ pub fn place_on_plate<const N: usize, const F: usize, W: Workcell<N, F>>(
     let few: Vec<Waypoint> = chosen.waypoints.iter().map(|&index| all[index]).collect();
 
     let equipment = workcell.equipment();
-    let wide = all.iter().map(|at| at.position.x.hypot(at.position.y)).fold(0.0, f64::max) + rim_mm;
+    let widest = |of: fn(&Point3<f64>) -> f64| all.iter().map(|at| of(&at.position)).fold(0.0, f64::max) + rim_mm;
     let plate_mm = equipment.plate_diameter_mm(wanted_mm);
-    let turns = if equipment.part_frame().0 == Mount::Base { options.turns } else { 1 };
-    let places = place_grid((plate_mm / 2.0 - wide).max(0.0), options.steps, turns)?;
+    let rectangle = equipment.model().plate.size_mm;
+    let spare_mm = match rectangle {
+        Some([x, y]) => (x / 2.0 - widest(|p| p.x.abs())).min(y / 2.0 - widest(|p| p.y.abs())),
+        None => plate_mm / 2.0 - widest(|p| p.x.hypot(p.y)),
+    };
+    let stands = matches!(equipment.part_frame().0, Mount::Base | Mount::Ground);
+    let turns = if stands && rectangle.is_none() { options.turns } else { 1 };
+    let places = place_grid(spare_mm.max(0.0), options.steps, turns)?;
 
     let mut model = equipment.scene(plate_mm);
     (model.margin, model.allowed) = (margin_mm, nozzle_pairs(&[PLATE]));

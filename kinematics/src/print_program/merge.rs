@@ -50,7 +50,10 @@ fn is_line<const N: usize>(knots: &[PrintKnot<N>], poses: &[Option<ControllerPos
     steady
         && ends
         && turned
-        && (1..last).all(|k| table_is_between([&poses[0], &poses[last]], &poses[k], place(k), options))
+        && (1..last).all(|k| {
+            let (ends, at) = ([&poses[0], &poses[last]], &poses[k]);
+            table_is_between(ends, at, place(k), options) && track_is_between(ends, at, place(k), options)
+        })
 }
 
 /// How far along the line from one place to another the foot of a third is, from 0 to 1.
@@ -79,6 +82,22 @@ fn table_is_between(
         (Some(a), Some(b), Some(at)) => {
             let share = share(ends.map(|end| end.target.pose.translation.vector), place);
             (0..2).all(|k| (a[k] + (b[k] - a[k]) * share - at[k]).abs() <= options.merge_rad)
+        }
+        _ => true,
+    }
+}
+
+/// Whether a track is where the controller has it on its even way, within the tolerance of the path.
+fn track_is_between(
+    ends: [&ControllerPose; 2],
+    pose: &ControllerPose,
+    place: nalgebra::Vector3<f64>,
+    options: &TargetOptions,
+) -> bool {
+    match (ends[0].track_mm, ends[1].track_mm, pose.track_mm) {
+        (Some(a), Some(b), Some(at)) => {
+            let share = share(ends.map(|end| end.target.pose.translation.vector), place);
+            (a + (b - a) * share - at).abs() <= options.merge_mm
         }
         _ => true,
     }

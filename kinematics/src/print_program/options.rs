@@ -12,7 +12,7 @@ use crate::workcell::{ArmGeometry, Equipment, tool_frame};
 impl RapidOptions {
     /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
     /// the limits of its arm; the arm and the table, for the seconds that the program states; the extruder is
-    /// switched on the path, earlier by its lag in the workcell.
+    /// switched on the path, earlier by its lag in the workcell. A track is the first external axis, `eax_a`.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let defaults = RapidOptions::default();
         let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
@@ -22,9 +22,10 @@ impl RapidOptions {
         let unit = equipment.positioner().map(|_| "STN1".to_owned());
         let work_object = RapidWorkObject { name: "part".to_owned(), in_hand: in_hand(carrier), frame, unit };
         let (arm, positioner) = (*equipment.arm(), equipment.positioner().copied());
+        let track = equipment.track().copied();
         let switching = RapidSwitching::OnPath { lag_s: equipment.model().controller.extruder_lag_s };
         let limits = ProgramLimits::of_arm(&arm);
-        RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, ..defaults }
+        RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, track, ..defaults }
     }
 }
 
@@ -41,7 +42,8 @@ impl KrlOptions {
             tool: tool_frame(&nozzle),
             work,
             kinematic: equipment.positioner().map(|_| FIRST_KINEMATIC),
-            arm: Some(*equipment.arm()),
+            // A pose says nothing of joints where the base travels.
+            arm: equipment.track().is_none().then_some(*equipment.arm()),
             lag_s: equipment.model().controller.extruder_lag_s,
             limits: ProgramLimits::of_arm(equipment.arm()),
             ..KrlOptions::default()
@@ -50,13 +52,14 @@ impl KrlOptions {
 }
 
 impl TpOptions {
-    /// The nozzle as user tool and the part frame as user frame of a workcell, within the limits of its arm.
+    /// The nozzle as user tool and the part frame as user frame of a workcell, within the limits of its arm; a track is its first external axis, an extended axis of group 1.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let ((_, nozzle), (carrier, work)) = (equipment.nozzle_frame(), equipment.part_frame());
         TpOptions {
             part_in_hand: matches!(carrier, Mount::Link(_)),
             tool: tool_frame(&nozzle),
             work,
+            track: equipment.track().is_some(),
             limits: ProgramLimits::of_arm(equipment.arm()),
             ..TpOptions::default()
         }

@@ -112,7 +112,6 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
     Delayed::new(Advanced::new(steps, -ticks as usize), ticks as u64)
 }
 
-pub(super) fn by_joints(joints: [f64; 6], table: Option<[f64; 2]>) -> Step {
-    let table = table.map(ExternalAxes::from);
+pub(super) fn by_joints(joints: [f64; 6], table: Option<ExternalAxes>) -> Step {
     Step::Move(Move { goal: Goal::Joints(joints), table, speed: Speed::default(), zone: Zone::Stop })
 }

@@ -4,7 +4,7 @@ use super::knot::{PrintKnot, TargetOptions};
 use super::merge::merged;
 use super::stream::by_joints;
 use crate::program::{ExternalAxes, Goal, Move, Speed, Step, TimedSignal, Zone};
-use crate::workcell::Workcell;
+use crate::workcell::{ControllerPose, Workcell};
 
 /// A motion that prints, and the postures on the way from its end to the next motion.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,7 +61,7 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s, .. } = options;
     let joints_move = move |joints: &[f64; N]| {
         let place = workcell.controller_pose(joints)?;
-        Some(by_joints(place.joints, place.table))
+        Some(by_joints(place.joints, external(&place)))
     };
     let line = move |[a, b]: [&PrintKnot<N>; 2], zone: Zone| {
         let (from, to) = (workcell.controller_pose(&a.joints)?, workcell.controller_pose(&b.joints)?);
@@ -70,7 +70,7 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
         let speed = Speed { mm_s: mm_s.max(min_speed_mm_s), rad_s: (turn_factor * turn).max(min_turn_rad_s) };
         let filament_mm_s = (b.filament_mm - a.filament_mm).max(0.0) / step;
-        let to = Move { goal: Goal::Line(to.target), table: to.table.map(ExternalAxes::from), speed, zone };
+        let to = Move { goal: Goal::Line(to.target), table: external(&to), speed, zone };
         Some((filament_mm_s, to))
     };
     motions.into_iter().flat_map(move |TargetMotion { knots, onward, head }| {
@@ -101,6 +101,11 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
         steps.extend(onward.iter().filter_map(joints_move));
         steps
     })
+}
+
+/// The external axes of a posture: tilt and turn of a table, or a track.
+pub(super) fn external(place: &ControllerPose) -> Option<ExternalAxes> {
+    place.table.map(ExternalAxes::from).or(place.track_mm.map(ExternalAxes::of_track))
 }
 
 /// The steps of a motion of a tape head.

@@ -11,6 +11,9 @@ use std::io::{BufRead, Write};
 
 const HEADER: &str = "kind,x_mm,y_mm,z_mm,qw,qx,qy,qz,cf1,cf4,cf6,cfx,j1,j2,j3,j4,j5,j6,tilt,turn,mm_s,rad_s,zone_mm,\
                       seconds";
+/// That of a program whose only external axis is a track, which is in millimetres.
+const TRACK_HEADER: &str = "kind,x_mm,y_mm,z_mm,qw,qx,qy,qz,cf1,cf4,cf6,cfx,j1,j2,j3,j4,j5,j6,track_mm,turn,mm_s,rad_s,\
+                            zone_mm,seconds";
 const COLUMNS: usize = 24;
 /// First columns of groups.
 const POSE: usize = 1;
@@ -56,11 +59,46 @@ const UNIT: f64 = 1e-9;
 pub fn write_csv(
     steps: impl IntoIterator<Item = Step>,
     limits: &ProgramLimits,
+    out: impl Write,
+) -> Result<(), WriteError> {
+    write_under(HEADER, steps, limits, out)
+}
+
+/// The same for an arm on a track: in the place of `tilt` is `track_mm`, its position in millimetres, and `turn` is empty. [`CsvReader`] reads both.
+///
+/// # Errors
+/// As of [`write_csv`]. A move with other external axes than a track has no cells.
+///
+/// # Example
+/// ```
+/// use curvlay_kinematics::program::*;
+/// let table = Some(ExternalAxes::of_track(1250.5));
+/// let to = Move { goal: Goal::Joints([0.1; 6]), table, speed: Speed::default(), zone: Zone::Stop };
+/// let mut csv = Vec::new();
+/// write_csv_on_track([Step::Move(to)], &ProgramLimits::default(), &mut csv)?;
+/// assert!(String::from_utf8_lossy(&csv).contains(",1250.5,,50,1,stop,"));
+/// let Step::Move(again) = CsvReader::new(csv.as_slice())?.next().ok_or("no step")?? else { return Err("no move".into()) };
+/// assert!(again.table.and_then(|axes| axes.track_mm()).is_some_and(|mm| (mm - 1250.5).abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_csv_on_track(
+    steps: impl IntoIterator<Item = Step>,
+    limits: &ProgramLimits,
+    out: impl Write,
+) -> Result<(), WriteError> {
+    write_under(TRACK_HEADER, steps, limits, out)
+}
+
+fn write_under(
+    header: &str,
+    steps: impl IntoIterator<Item = Step>,
+    limits: &ProgramLimits,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
     let failed = |source| WriteError::Io { file: "the CSV".to_owned(), source };
+    let is_track = header == TRACK_HEADER;
     let mut checker = Checker::new(limits);
-    let mut text = Vec::from(HEADER);
+    let mut text = Vec::from(header);
     text.push(b'\n');
     for step in steps {
         checker.check(&step)?;
@@ -69,6 +107,11 @@ pub fn write_csv(
         {
             return Err(checker.unsupported("external axis but the first two", "the CSV"));
         }
+        let step = if is_track {
+            in_mm(step).ok_or_else(|| checker.unsupported("axis beside a track", "the CSV"))?
+        } else {
+            step
+        };
         write_step(&mut text, &step).map_err(failed)?;
         if text.len() > CHUNK {
             out.write_all(&text).map_err(failed)?;
@@ -77,6 +120,15 @@ pub fn write_csv(
     }
     checker.finish()?;
     out.write_all(&text).and_then(|()| out.flush()).map_err(failed)
+}
+
+/// The step with the position of a track as a plain number of millimetres; `None` where there is another axis.
+fn in_mm(step: Step) -> Option<Step> {
+    let Step::Move(Move { table: Some(external), .. }) = &step else { return Some(step) };
+    // Rounded to a picometre: the way over radians loses the last bit.
+    let mm = (external.track_mm()? * 1e9).round() / 1e9;
+    let Step::Move(to) = step else { return Some(step) };
+    Some(Step::Move(Move { table: ExternalAxes::new([Some(mm), None, None, None, None, None]), ..to }))
 }
 
 fn write_step(text: &mut Vec<u8>, step: &Step) -> std::io::Result<()> {
@@ -174,10 +226,12 @@ impl<R: BufRead> CsvReader<R> {
     pub fn new(reader: R) -> Result<Self, ReadError> {
         let mut lines = Tokens::new(reader, 0);
         let any = lines.next_line()?;
-        if !any || lines.line().trim_ascii_end() != HEADER.as_bytes() {
+        let header = lines.line().trim_ascii_end();
+        let is_track = header == TRACK_HEADER.as_bytes();
+        if !any || !(is_track || header == HEADER.as_bytes()) {
             return Err(unexpected(&lines, 0, "the header of a program", lines.line()));
         }
-        Ok(CsvReader { row: Row { lines, ends: [0; COLUMNS] }, over: false })
+        Ok(CsvReader { row: Row { lines, ends: [0; COLUMNS], is_track }, over: false })
     }
 }
 
@@ -200,6 +254,8 @@ struct Row<R> {
     lines: Tokens<R>,
     /// Ends of the cells.
     ends: [usize; COLUMNS],
+    /// Whether the first external axis is a track, in millimetres.
+    is_track: bool,
 }
 
 impl<R: BufRead> Row<R> {
@@ -300,7 +356,13 @@ impl<R: BufRead> Row<R> {
                 *axis = Some(self.number(TABLE + k)?);
             }
         }
-        let table = ExternalAxes::new(axes);
+        let table = match (self.is_track, axes[0]) {
+            (true, Some(mm)) => {
+                self.blank(TABLE + 1..SPEED)?;
+                Some(ExternalAxes::of_track(mm))
+            }
+            _ => ExternalAxes::new(axes),
+        };
         let speed =
             Speed { mm_s: self.positive(SPEED, "a speed")?, rad_s: self.positive(SPEED + 1, "a speed of turning")? };
         let zone = match self.cell(ZONE) {

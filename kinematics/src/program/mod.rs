@@ -53,7 +53,7 @@ mod urscript;
 
 pub use crate::target::{ConfData, Target};
 pub use check::{ProgramLimits, WriteError, program_seconds};
-pub use csv::{CsvReader, write_csv};
+pub use csv::{CsvReader, write_csv, write_csv_on_track};
 pub use dome::{
     DomeFault, DomeOptions, DomePrint, DomeRig, DomeRun, DomeStroke, PrintedStroke, StrokeRun, TurnChoice, TurnError,
     TurnPath, choose_turns, print_on_dome, run_on_dome,

@@ -22,16 +22,21 @@ pub enum Mount {
     Tilt,
     /// The table of the positioner.
     Table,
+    /// What stands still while a track carries the base of the arm along: seen from the base it goes the other way.
+    Ground,
+    /// The same for what the carriage of the track runs on or next to: it is not compared with bodies on the base that are no links.
+    Rail,
 }
 
 impl Mount {
-    /// Whether joint `k` of the arm, or axis `k` of the positioner, moves what is mounted here; counted from 0.
+    /// Whether joint `k` of the arm, or axis `k` of the positioner or the track, moves what is mounted here; counted from 0.
     pub(super) fn is_moved_by(self, on_table: bool, k: usize) -> bool {
         match self {
             Mount::Base => false,
             Mount::Link(link) => !on_table && k < link,
             Mount::Tilt => on_table && k == 0,
             Mount::Table => on_table,
+            Mount::Ground | Mount::Rail => on_table && k == 0,
         }
     }
 }
@@ -142,6 +147,15 @@ pub enum SceneError {
         /// The body.
         body: String,
     },
+    /// A body stands beside a track, but the scene has no track.
+    #[error("body `{body}` stands on the ground of a track, but the scene has none")]
+    NoTrack {
+        /// The body.
+        body: String,
+    },
+    /// Table and track: only one of the two can be there.
+    #[error("the scene has a positioner and a track: only one of the two can be there")]
+    TableAndTrack,
     /// The pose of a body on its mount is invalid.
     #[error(
         "the pose of body `{body}` is invalid: its entries must be finite and at most 1e6 mm, its quaternion of length 1"

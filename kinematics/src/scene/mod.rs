@@ -73,6 +73,7 @@ pub use sweep::{Sweep, SweepError};
 
 use crate::arm::Arm;
 use crate::positioner::Positioner;
+use crate::track::Track;
 use chain::Chain;
 use nalgebra::{Isometry3, Point3};
 use piece::{Form, Piece};
@@ -84,6 +85,8 @@ pub struct SceneModel {
     pub arm: Arm,
     /// The positioner, where there is one.
     pub positioner: Option<Positioner>,
+    /// The track along which the base of the arm travels, where there is one; then there is no positioner.
+    pub track: Option<Track>,
     /// The links of the arm: see [`links`]. Of these, neighbours are not compared: bodies on frames `k` and `k + 1`.
     pub links: Vec<Body>,
     /// Everything else: tool, table, part, walls. These are compared with all that moves against them.
@@ -106,6 +109,7 @@ impl SceneModel {
         SceneModel {
             arm,
             positioner: None,
+            track: None,
             links: vec![],
             bodies: vec![],
             allowed: vec![],
@@ -131,6 +135,7 @@ struct Placed {
 pub struct Scene {
     arm: Arm,
     positioner: Option<Positioner>,
+    track: Option<Track>,
     arm_chain: Chain,
     table_chain: Option<Chain>,
     /// Links first.
@@ -152,7 +157,7 @@ impl Scene {
     /// # Cost
     /// `O(n log n)` for `n` triangles, `O(n)` for cells.
     pub fn new(model: SceneModel) -> Result<Self, SceneError> {
-        let SceneModel { arm, positioner, links, bodies, allowed, margin, link_allowance, clearance } = model;
+        let SceneModel { arm, positioner, track, links, bodies, allowed, margin, link_allowance, clearance } = model;
         if !(0.0..=MAX_COORDINATE).contains(&margin) {
             return Err(SceneError::Margin { value: margin });
         }
@@ -162,9 +167,13 @@ impl Scene {
         if !(0.0..=MAX_COORDINATE).contains(&clearance) {
             return Err(SceneError::Clearance { value: clearance });
         }
+        if positioner.is_some() && track.is_some() {
+            return Err(SceneError::TableAndTrack);
+        }
         let mut scene = Scene {
             arm,
             positioner,
+            track,
             arm_chain: Chain::of_arm(&arm),
             table_chain: positioner.as_ref().map(Chain::of_table),
             bodies: Vec::with_capacity(links.len() + bodies.len()),
@@ -186,6 +195,9 @@ impl Scene {
                 Mount::Tilt | Mount::Table if scene.positioner.is_none() => {
                     return Err(SceneError::NoPositioner { body: body.name });
                 }
+                Mount::Ground | Mount::Rail if scene.track.is_none() => {
+                    return Err(SceneError::NoTrack { body: body.name });
+                }
                 _ => {}
             }
             let pieces = body::pieces(&body)?;
@@ -201,6 +213,11 @@ impl Scene {
         }
         scene.find_pairs();
         Ok(scene)
+    }
+
+    /// Whether postures have axes beside the joints of the arm.
+    fn has_table(&self) -> bool {
+        self.positioner.is_some() || self.track.is_some()
     }
 
     /// The margin, in millimetres.

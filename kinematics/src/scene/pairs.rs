@@ -6,6 +6,7 @@ use super::piece::Piece;
 use super::rounding::CHAIN_MM;
 use super::search::Meeting;
 use super::{Placed, Scene};
+use crate::track::Track;
 use nalgebra::{Isometry3, Point3};
 
 /// What links with one link between them keep apart beyond the margin at most, in millimetres: the base and the upper arm of a UR3
@@ -24,7 +25,7 @@ impl Mount {
         match self {
             Mount::Base => Place::Arm(0),
             Mount::Link(link) => Place::Arm(link),
-            Mount::Tilt => Place::Table(1),
+            Mount::Tilt | Mount::Ground | Mount::Rail => Place::Table(1),
             Mount::Table => Place::Table(2),
         }
     }
@@ -44,7 +45,9 @@ impl Scene {
     pub(super) fn lever_arms(&self, placed: &Placed) -> Vec<f64> {
         let farthest = |measure: &dyn Fn(&Point3<f64>) -> f64| farthest(placed, measure);
         match (placed.body.mount.place(), &self.table_chain) {
-            (Place::Arm(0), _) | (Place::Table(_), None) => vec![],
+            (Place::Arm(0), _) => vec![],
+            // All points of the ground move alike.
+            (Place::Table(_), None) => self.track.iter().map(Track::mm_per_unit).collect(),
             (Place::Arm(link), _) => self.arm_chain.lever_arms(link, farthest),
             (Place::Table(frame), Some(chain)) => chain.lever_arms(frame, farthest),
         }
@@ -97,6 +100,9 @@ impl Scene {
         let Some(([inner, outer], apart)) = self.relation(a, b) else { return false };
         let Apart::Behind { table, from, to } = apart else { return true };
         let (inner, outer) = (&self.bodies[inner], &self.bodies[outer]);
+        if !inner.is_link && inner.body.mount == Mount::Base && outer.body.mount == Mount::Rail {
+            return false;
+        }
         if inner.is_link && outer.is_link && to == from + 1 {
             return false;
         }

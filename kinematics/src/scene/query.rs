@@ -6,14 +6,14 @@ use super::chain::Line;
 use super::piece::Piece;
 use super::rounding;
 use super::search::{Found, Meeting};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Translation3};
 
-/// Joints of the arm, and of the positioner where there is one.
+/// Joints of the arm, and of the positioner or the track where there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Posture {
     /// The arm's joints.
     pub joints: [f64; 6],
-    /// Tilt and turn; of no account without a positioner.
+    /// Tilt and turn of a positioner, or the joint of a [`Track`](crate::Track) and 0; of no account without either.
     pub table: [f64; 2],
 }
 
@@ -60,7 +60,7 @@ pub struct Clearance<'a> {
     pub nearest: Nearest<'a>,
     /// Derivative of the distance by the arm's joints, in millimetres a radian; zero where the bodies touch or overlap.
     pub joints: [f64; 6],
-    /// The same by tilt and turn.
+    /// The same by tilt and turn, or by the joint of a track.
     pub table: [f64; 2],
 }
 
@@ -86,7 +86,7 @@ pub(super) struct Poses {
     first: Vec<usize>,
     poses: Vec<Isometry3<f64>>,
     centers: Vec<Point3<f64>>,
-    /// Frames of the arm, base to flange, and of the table: the base, tilted, turned.
+    /// Frames of the arm, base to flange, and of the table: the base, tilted, turned; of a track the second is the ground.
     frames: ([Isometry3<f64>; 7], [Isometry3<f64>; 3]),
 }
 
@@ -100,7 +100,7 @@ impl Scene {
     /// # Cost
     /// `O(log n)` for a part of `n` triangles or cells when nothing is near; one list is allocated.
     pub fn touching(&self, posture: &Posture) -> Result<Option<[&str; 2]>, PostureError> {
-        posture.check(self.positioner.is_some())?;
+        posture.check(self.has_table())?;
         let poses = self.poses(posture);
         let touch = self.pairs.iter().find(|pair| !self.pair_apart(&poses, pair, self.threshold(pair)));
         Ok(touch.map(|pair| self.names_of(pair)))
@@ -111,7 +111,7 @@ impl Scene {
     /// # Errors
     /// [`PostureError`] names the joint that is no angle.
     pub fn nearest(&self, posture: &Posture) -> Result<Option<Nearest<'_>>, PostureError> {
-        posture.check(self.positioner.is_some())?;
+        posture.check(self.has_table())?;
         Ok(self.nearest_within(&self.poses(posture), f64::INFINITY).map(|(_, nearest)| nearest))
     }
 
@@ -126,7 +126,7 @@ impl Scene {
     /// # Cost
     /// That of [`nearest`](Self::nearest), less what lies beyond `within`.
     pub fn clearance(&self, posture: &Posture, within: f64) -> Result<Option<Clearance<'_>>, PostureError> {
-        posture.check(self.positioner.is_some())?;
+        posture.check(self.has_table())?;
         if within.is_nan() {
             return Err(PostureError::Within);
         }
@@ -142,10 +142,13 @@ impl Scene {
             if a == b {
                 return 0.0;
             }
-            let axis = self.axis(&poses, on_table, k);
-            if a { -axis.turning(&p).dot(&apart) } else { axis.turning(&q).dot(&apart) }
+            let velocity = |point| match &self.track {
+                Some(track) if on_table => -track.rate(),
+                _ => self.axis(&poses, on_table, k).turning(point),
+            };
+            if a { -velocity(&p).dot(&apart) } else { velocity(&q).dot(&apart) }
         };
-        let table = if self.table_chain.is_some() { [0, 1].map(|k| rate(true, k)) } else { [0.0; 2] };
+        let table = if self.has_table() { [0, 1].map(|k| rate(true, k)) } else { [0.0; 2] };
         Ok(Some(Clearance { nearest, joints: [0, 1, 2, 3, 4, 5].map(|k| rate(false, k)), table }))
     }
 
@@ -172,7 +175,13 @@ impl Scene {
         let frames = self.arm.frames(&posture.joints);
         let [tilt, turn] = posture.table;
         let on_table = |joints| self.positioner.as_ref().map_or(Isometry3::identity(), |p| p.forward(joints));
-        let tables = [Isometry3::identity(), on_table(&[tilt, 0.0]), on_table(&[tilt, turn])];
+        let tables = match &self.track {
+            // The ground, seen from the base.
+            Some(track) => {
+                [Isometry3::identity(), Translation3::from(-track.shift(tilt)).into(), Isometry3::identity()]
+            }
+            None => [Isometry3::identity(), on_table(&[tilt, 0.0]), on_table(&[tilt, turn])],
+        };
         let count = self.bodies.len();
         let mut all = Poses {
             first: Vec::with_capacity(count),
@@ -185,7 +194,7 @@ impl Scene {
             let frame = match placed.body.mount {
                 Mount::Base => &frames[0],
                 Mount::Link(link) => &frames[link],
-                Mount::Tilt => &tables[1],
+                Mount::Tilt | Mount::Ground | Mount::Rail => &tables[1],
                 Mount::Table => &tables[2],
             };
             for piece in &placed.pieces {

@@ -251,14 +251,14 @@ impl Scene {
     }
 
     fn straight(&self, from: &Posture, to: &Posture, resolution: f64) -> Result<Motion, SweepError> {
-        from.check(self.positioner.is_some()).map_err(SweepError::From)?;
-        to.check(self.positioner.is_some()).map_err(SweepError::To)?;
+        from.check(self.has_table()).map_err(SweepError::From)?;
+        to.check(self.has_table()).map_err(SweepError::To)?;
         self.checked(Motion::straight(&self.arm, from, to), resolution)
     }
 
     fn cubic(&self, control: &[Posture; 4], resolution: f64) -> Result<Motion, SweepError> {
         for (index, posture) in control.iter().enumerate() {
-            posture.check(self.positioner.is_some()).map_err(|source| match index {
+            posture.check(self.has_table()).map_err(|source| match index {
                 0 => SweepError::From(source),
                 3 => SweepError::To(source),
                 _ => SweepError::Control { index, source },
@@ -277,7 +277,7 @@ impl Scene {
             let joint = angles.iter().position(|&turn| turn > MAX_TURN)?;
             Some(SweepError::TooLong { table, joint, turn: angles[joint], max: MAX_TURN })
         };
-        let long_table = || long(true, &on_table).filter(|_| self.positioner.is_some());
+        let long_table = || long(true, &on_table).filter(|_| self.has_table());
         match long(false, &arm).or_else(long_table) {
             Some(error) => Err(error),
             None => Ok(motion),
@@ -290,8 +290,11 @@ impl Scene {
             let placed = &self.bodies[body];
             let turns: &[f64] = if self.on_table(body) { table } else { arm };
             let mut sums = [0.0; 7];
+            let slides = self.track.is_some() && self.on_table(body);
             for (k, lever_arm) in placed.lever_arms.iter().enumerate().rev() {
-                let here = poses.farthest(body, &placed.pieces, &self.axis(poses, self.on_table(body), k));
+                let axis = || self.axis(poses, self.on_table(body), k);
+                // What slides has no axis, and all of it moves alike.
+                let here = if slides { *lever_arm } else { poses.farthest(body, &placed.pieces, &axis()) };
                 // What joints behind this one move away from its axis, they move at most so far.
                 let most = lever_arm.min(here + sums[k + 1]);
                 sums[k] = sums[k + 1] + most * turns[k] * (1.0 + SHARE);

@@ -2,7 +2,7 @@
 
 use super::model::{
     ArmGeometry, ArmPart, CalibrationModel, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel,
-    PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, VERSION,
+    PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, TrackPart, VERSION,
 };
 use crate::arm::robots::{self, CatalogueArm, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};
@@ -10,6 +10,7 @@ use crate::limits::JointLimits;
 use crate::positioner::{Positioner, PositionerError, PositionerModel};
 use crate::scene::{MAX_COORDINATE, SceneError};
 use crate::setup::{SetupError, nozzle_frame};
+use crate::track::{Track, TrackError, TrackModel};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// Why numbers make no workcell. `path` is the field, as in the file: `solids[2].shape.block.min_mm[0]`.
@@ -123,6 +124,30 @@ pub enum WorkcellError {
     /// The arm holds the part, and a table is there that should carry it.
     #[error("held: the arm holds the part, but a positioner must carry it; `held` must be `nozzle` with a positioner")]
     HeldPartOnTable,
+    /// The arm on a track holds the part.
+    #[error("held: the arm on a track holds the part; `held` must be `nozzle` with a track")]
+    HeldPartOnTrack,
+    /// The carriage of a track is always in contact with a solid.
+    #[error("{path}: {what}")]
+    Carriage {
+        /// The field.
+        path: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A plate that is a disc and a rectangle.
+    #[error("plate.size_mm: the plate has `diameter_mm` as well; leave one of the two out")]
+    TwoPlates,
+    /// A track and a table, which are not planned together.
+    #[error("track: the workcell has a positioner as well, and a motion is planned with one of the two; leave one out")]
+    TrackAndTable,
+    /// A track.
+    #[error("track: {source}")]
+    Track {
+        /// What is wrong with it.
+        #[from]
+        source: TrackError,
+    },
     /// The arm.
     #[error("{path}: {source}")]
     Arm {
@@ -420,6 +445,42 @@ pub(super) fn positioner(part: &PositionerPart) -> Result<Table, WorkcellError> 
     Ok(Table { positioner, print_tilt, tool_angle })
 }
 
+/// The track, in units of the reach of its arm.
+pub(super) fn track(part: &TrackPart, arm: &ArmModel) -> Result<Track, WorkcellError> {
+    direction("track.direction", &part.direction)?;
+    let [least, most] = each("track.range_mm", &part.range_mm)?;
+    if least > most {
+        return Err(wrong("track.range_mm[0]", least, format!("at most the greatest position, {most}")));
+    }
+    let limit = |name: &str, value: Option<f64>| match value {
+        None => Ok(f64::INFINITY),
+        Some(value) if value > 0.0 && value < f64::INFINITY => Ok(value),
+        Some(value) => Err(wrong(format!("track.{name}"), value, "above 0 and finite")),
+    };
+    let home_mm = part.home_mm.unwrap_or(0.5 * (least + most));
+    if !(least..=most).contains(&home_mm) {
+        return Err(wrong("track.home_mm", home_mm, format!("within the range, {least} to {most}")));
+    }
+    finite("track.tool_angle_deg", part.tool_angle_deg)?;
+    let model = TrackModel {
+        direction: part.direction,
+        range_mm: part.range_mm,
+        zero_mm: finite("track.zero_mm", part.zero_mm)?,
+        speed_mm_s: limit("max_speed_mm_s", Some(part.max_speed_mm_s))?,
+        acceleration_mm_s2: limit("max_acceleration_mm_s2", part.max_acceleration_mm_s2)?,
+        jerk_mm_s3: limit("max_jerk_mm_s3", part.max_jerk_mm_s3)?,
+    };
+    Ok(Track::new(&model, reach_mm(arm).max(MIN_REACH_MM))?)
+}
+
+/// How far a place is from where the base of an arm on a track comes nearest to it.
+pub(super) fn beside_track(track: &Track, place: &Vector3<f64>) -> f64 {
+    let (low, high) = (track.shift(track.limits().lower[0]), track.shift(track.limits().upper[0]));
+    let way = high - low;
+    let share = (place - low).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE);
+    (low + way * share.clamp(0.0, 1.0) - place).norm()
+}
+
 /// The frame of the nozzle on what carries it. Its shape is checked as well.
 pub(super) fn nozzle(model: &NozzleModel) -> Result<Isometry3<f64>, WorkcellError> {
     let tip = Point3::from(each("nozzle.tip_mm", &model.tip_mm)?);
@@ -461,6 +522,14 @@ pub(super) fn roller(model: &RollerModel) -> Result<(), WorkcellError> {
 
 pub(super) fn plate(model: &PlateModel) -> Result<(), WorkcellError> {
     positive("plate.thickness_mm", model.thickness_mm)?;
+    if let Some(size) = model.size_mm {
+        if model.diameter_mm.is_some() {
+            return Err(WorkcellError::TwoPlates);
+        }
+        for (k, edge) in size.into_iter().enumerate() {
+            positive(format!("plate.size_mm[{k}]"), edge)?;
+        }
+    }
     model.diameter_mm.map_or(Ok(()), |diameter| positive("plate.diameter_mm", diameter).map(|_| ()))
 }
 

@@ -3,9 +3,10 @@
 use super::check::{Table, WorkcellError};
 use super::equipment::Equipment;
 use super::model::Held;
+use super::tool::Tool;
 use super::{ControllerPose, Following, FreeRange, Workcell, WorkcellFrames};
 use crate::angle::short_way;
-use crate::arm::{ANGLE_TOLERANCE, Branch, POSITION_TOLERANCE};
+use crate::arm::Branch;
 use crate::limits::JointLimits;
 use crate::scene;
 use crate::setup::{Setup, TableSetup, Waypoint, nozzle_frame};
@@ -30,16 +31,6 @@ pub struct EightAxisWorkcell {
     tool: Tool,
 }
 
-/// What fixes the tool angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Tool {
-    /// The nozzle lies on axis 6, which rests at this angle; `sense` is 1 if a positive joint 6 turns the tool by a
-    /// positive angle about the nozzle's z axis, or -1.
-    OnAxis { rest: f64, sense: f64 },
-    /// The angle about the nozzle, against the shortest turn.
-    Heading(f64),
-}
-
 /// The direction of growth points this nearly straight down, as `1 + cos` of its angle to the vertical, where the heading
 /// of the nozzle has no derivative.
 const DOWN: f64 = 1e-9;
@@ -60,17 +51,7 @@ impl EightAxisWorkcell {
         let [min, max] = table.print_tilt;
         let turns_round = two.lower[1] <= -PI && two.upper[1] >= PI;
         let turn = if turns_round { FreeRange::Turn } else { FreeRange::Within(two.lower[1], two.upper[1]) };
-        let (tip, up) = (nozzle.translation.vector, nozzle.rotation * Vector3::z());
-        let is_on_axis = tip.xy().norm() <= POSITION_TOLERANCE && up.xy().norm() <= ANGLE_TOLERANCE;
-        let tool = if is_on_axis {
-            let middle = 0.5 * (six.lower[5] + six.upper[5]);
-            let rest = if middle.is_finite() { middle } else { 0.0 };
-            // Joint 6 of a maker's arm may turn the other way; frame and axis are those of joints at zero.
-            let (flange, axis) = (arm.forward(&[0.0; 6]), arm.axes(&[0.0; 6])[5].1);
-            Tool::OnAxis { rest, sense: (flange.rotation * up).dot(&axis).signum() }
-        } else {
-            Tool::Heading(table.tool_angle)
-        };
+        let tool = Tool::of(&arm, &nozzle, table.tool_angle);
         Ok(EightAxisWorkcell { equipment, setup, limits, free: [FreeRange::Within(min, max), turn], tool })
     }
 
@@ -100,15 +81,6 @@ impl EightAxisWorkcell {
                 let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle + turn);
                 nozzle_frame(&tip, &-growth) * heading * setup.nozzle_frame().1.inverse()
             }
-        }
-    }
-
-    /// Joints of the arm, joint 6 at rest if the nozzle is on its axis.
-    fn resting(&self, joints: &[f64; 6]) -> [f64; 6] {
-        let [a, b, c, d, e, f] = *joints;
-        match self.tool {
-            Tool::OnAxis { rest, .. } => [a, b, c, d, e, rest],
-            Tool::Heading(_) => [a, b, c, d, e, f],
         }
     }
 
@@ -153,14 +125,14 @@ impl Workcell<8, 2> for EightAxisWorkcell {
     fn solutions(&self, waypoint: &Waypoint, free: &[f64; 2], each: &mut dyn FnMut(u32, [f64; 8])) {
         let Some((table, setup)) = self.turned(free[0], free[1]) else { return };
         for (branch, joints) in setup.arm().inverse(&self.flange(&setup, waypoint, 0.0)).unwrap_or_default().iter() {
-            each(branch.slot() as u32, eight(&self.resting(joints), table));
+            each(branch.slot() as u32, eight(&self.tool.resting(joints), table));
         }
     }
 
     fn following(&self, waypoint: &Waypoint, free: &[f64; 2], branch: u32) -> Option<Following<8, 2>> {
         let (table, setup) = self.turned(free[0], free[1])?;
         let found = setup.arm().inverse(&self.flange(&setup, waypoint, 0.0)).ok()?;
-        let joints = self.resting(found.get(*Branch::ALL.get(branch as usize)?)?);
+        let joints = self.tool.resting(found.get(*Branch::ALL.get(branch as usize)?)?);
         let [tool, tilt, turn] = self.setup.rates(&table, &joints)?.map(|rates| rates.first);
         let [tilt, turn] = match self.tool {
             Tool::OnAxis { .. } => [tilt, turn].map(|[a, b, c, d, e, _]| [a, b, c, d, e, 0.0]),
@@ -184,16 +156,8 @@ impl Workcell<8, 2> for EightAxisWorkcell {
         // The table stays as it is, whole turns included.
         let (joints, table) = six_and_two(previous);
         let setup = self.setup.at(&table)?;
-        let (arm, flange) = (setup.arm(), self.flange(&setup, waypoint, 0.0));
-        let flange = match self.tool {
-            Tool::OnAxis { rest, sense } => {
-                // By how much of a tool angle joint 6 leaves its rest.
-                let off = arm.inverse(&flange).ok()?.get(arm.branch(&joints))?[5] - rest;
-                self.flange(&setup, waypoint, turn - sense * off)
-            }
-            Tool::Heading(_) => self.flange(&setup, waypoint, turn),
-        };
-        Some(eight(&arm.continuing(&flange, &joints)?, table))
+        let flange = |turn| self.flange(&setup, waypoint, turn);
+        Some(eight(&self.tool.continuing(setup.arm(), flange, turn, &joints)?, table))
     }
 
     fn frames(&self, joints: &[f64; 8]) -> Option<WorkcellFrames> {

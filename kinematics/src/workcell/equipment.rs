@@ -8,7 +8,8 @@ use super::model::{
 use crate::arm::robots::{self, CatalogueArm, Maker};
 use crate::arm::{Arm, ArmModel};
 use crate::positioner::Positioner;
-use crate::scene::{Body, Mount, Scene, SceneModel, Shape};
+use crate::scene::{Body, Mount, Posture, Scene, SceneModel, Shape};
+use crate::track::Track;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -43,6 +44,7 @@ pub struct Equipment {
     arm: Arm,
     arm_model: ArmModel,
     positioner: Option<Positioner>,
+    track: Option<Track>,
     links: Vec<Body>,
     link_bodies: Option<LinkBodies>,
     /// Stand and solids.
@@ -58,7 +60,14 @@ impl Equipment {
         check::version(model.version)?;
         let (arm, arm_model) = check::arm(&model.arm)?;
         let table = model.positioner.as_ref().map(check::positioner).transpose()?;
-        let on_base = |frame| (Mount::Base, frame);
+        let track = model.track.as_ref().map(|track| check::track(track, &arm_model)).transpose()?;
+        match (&track, &table, model.held) {
+            (Some(_), Some(_), _) => return Err(WorkcellError::TrackAndTable),
+            (Some(_), None, Held::Part) => return Err(WorkcellError::HeldPartOnTrack),
+            _ => {}
+        }
+        let ground = if track.is_some() { Mount::Ground } else { Mount::Base };
+        let on_base = |frame| (ground, frame);
         let in_hand = |frame| (Mount::Link(6), frame);
         let [part, nozzle] = [check::frame("part", &model.part)?, check::nozzle(&model.nozzle)?];
         let (part, nozzle) = match (model.held, &table) {
@@ -70,10 +79,17 @@ impl Equipment {
         model.roller.as_ref().map_or(Ok(()), check::roller)?;
         check::plate(&model.plate)?;
         let [to_part, to_tip] = [&part.1, &nozzle.1].map(|frame| frame.translation.vector.norm());
-        let plate_mm = model.plate.diameter_mm.unwrap_or(SOME_PLATE_MM) / 2.0;
+        let across = model.plate.size_mm.map(|[x, y]| x.hypot(y));
+        let plate_mm = across.or(model.plate.diameter_mm).unwrap_or(SOME_PLATE_MM) / 2.0;
         match (model.held, &table) {
             (Held::Part, _) => check::reach(&arm_model, to_part, Some(("nozzle.tip_mm", to_tip)))?,
-            (Held::Nozzle, None) => check::reach(&arm_model, to_tip, Some(("part", to_part - plate_mm)))?,
+            (Held::Nozzle, None) => {
+                let (field, away_mm) = match &track {
+                    Some(track) => ("track.range_mm", check::beside_track(track, &part.1.translation.vector)),
+                    None => ("part", to_part),
+                };
+                check::reach(&arm_model, to_tip, Some((field, away_mm - plate_mm)))?;
+            }
             (Held::Nozzle, Some(_)) => check::reach(&arm_model, to_tip, None)?,
         }
         check::home(model.home_deg.as_deref(), arm.limits(), table.as_ref().map(|table| table.positioner.limits()))?;
@@ -83,13 +99,58 @@ impl Equipment {
         let below = check::mount_below_base(&model.arm)?;
         let mut bodies = model.stand.map_or(Ok(vec![]), |stand| standing(&stand, foot(&links), below))?;
         for (index, solid) in model.solids.iter().enumerate() {
-            bodies.push(body(&format!("solids[{index}]"), solid, positioner.is_some(), &part, &nozzle)?);
+            bodies.push(body(
+                &format!("solids[{index}]"),
+                solid,
+                (positioner.is_some(), track.is_some()),
+                &part,
+                &nozzle,
+            )?);
         }
-        let equipment =
-            Equipment { arm, arm_model, positioner, links, link_bodies, bodies, part, nozzle, roller: None, model };
+        let equipment = Equipment {
+            arm,
+            arm_model,
+            positioner,
+            track,
+            links,
+            link_bodies,
+            bodies,
+            part,
+            nozzle,
+            roller: None,
+            model,
+        };
         equipment.check_names()?;
         Scene::new(equipment.scene(SOME_PLATE_MM))?;
+        equipment.check_carriage()?;
         Ok((equipment, table))
+    }
+
+    /// Refuses a solid that stand or carriage of a track touch wherever the track is: it is what they run on.
+    fn check_carriage(&self) -> Result<(), WorkcellError> {
+        if self.track.is_none() {
+            return Ok(());
+        }
+        let stands = self.bodies.len() - self.model.solids.len();
+        for (index, solid) in self.model.solids.iter().enumerate().filter(|(_, solid)| solid.mount == MountModel::Base)
+        {
+            let carried = self.bodies.iter().filter(|body| body.mount == Mount::Base);
+            let bodies = carried.chain([&self.bodies[stands + index]]).cloned().collect();
+            let scene = Scene::new(SceneModel { bodies, track: self.track, ..SceneModel::of(self.arm) })?;
+            let touches = |place: f64| {
+                let posture = Posture { joints: [0.0; 6], table: [place, 0.0] };
+                matches!(scene.touching(&posture), Ok(Some(_)))
+            };
+            let ends = self.track.map_or([0.0; 2], |track| [track.limits().lower[0], track.limits().upper[0]]);
+            if [ends[0], 0.0, ends[1]].into_iter().all(touches) {
+                let what = format!(
+                    "stand or carriage of the track touch `{}` wherever the track is; mount what they run on at `rail`",
+                    solid.name
+                );
+                return Err(WorkcellError::Carriage { path: format!("solids[{index}].mount"), what });
+            }
+        }
+        Ok(())
     }
 
     fn check_names(&self) -> Result<(), WorkcellError> {
@@ -138,11 +199,13 @@ impl Equipment {
         &self.model
     }
 
-    /// The home posture in radians, if the model names one: all `N` joints of the workcell.
+    /// The home posture in radians, if the model names one: all `N` joints of the workcell, that of a track in its units.
     pub fn home<const N: usize>(&self) -> Option<[f64; N]> {
         let degrees = self.model.home_deg.as_ref()?;
-        let radians: Vec<f64> = degrees.iter().map(|angle| angle.to_radians()).collect();
-        radians.try_into().ok()
+        let on_track = self.track.as_ref().zip(self.model.track.as_ref());
+        let place = on_track.map(|(track, part)| part.home_mm.map_or(0.0, |home_mm| track.joint(home_mm)));
+        let joints: Vec<f64> = degrees.iter().map(|angle| angle.to_radians()).chain(place).collect();
+        joints.try_into().ok()
     }
 
     /// The arm in the catalogue; `None` for one that is given by lengths.
@@ -192,6 +255,11 @@ impl Equipment {
         self.positioner.as_ref()
     }
 
+    /// The track, where there is one.
+    pub fn track(&self) -> Option<&Track> {
+        self.track.as_ref()
+    }
+
     /// What the part is fixed to, and the part frame there.
     pub fn part_frame(&self) -> (Mount, Isometry3<f64>) {
         self.part
@@ -202,9 +270,10 @@ impl Equipment {
         self.nozzle
     }
 
-    /// The diameter of the plate, for a print that wants one of `wanted_mm`.
+    /// The diameter of the plate, for a print that wants one of `wanted_mm`; of a rectangle its lesser edge.
     pub fn plate_diameter_mm(&self, wanted_mm: f64) -> f64 {
-        self.model.plate.diameter_mm.unwrap_or(wanted_mm)
+        let edge = self.model.plate.size_mm.map(|[x, y]| x.min(y));
+        edge.or(self.model.plate.diameter_mm).unwrap_or(wanted_mm)
     }
 
     /// How deep a roller is in the plate at most, whatever its heading: by the end of its width where it leans across the tape, by its round where it
@@ -256,7 +325,11 @@ impl Equipment {
     /// touch; set both as the motion in question needs it.
     pub fn scene(&self, wanted_mm: f64) -> SceneModel {
         let (tool, block) = self.tool_shapes();
-        let plate = Shape::cylinder(self.plate_diameter_mm(wanted_mm) / 2.0, -self.model.plate.thickness_mm, 0.0);
+        let low = -self.model.plate.thickness_mm;
+        let plate = match self.model.plate.size_mm {
+            Some([x, y]) => Shape::block(Point3::new(-x / 2.0, -y / 2.0, low), Point3::new(x / 2.0, y / 2.0, 0.0)),
+            None => Shape::cylinder(self.plate_diameter_mm(wanted_mm) / 2.0, low, 0.0),
+        };
         let body = |name: &str, (mount, mount_body), shape| Body { name: name.into(), mount, mount_body, shape };
         let mut bodies = self.bodies.clone();
         bodies.extend([
@@ -268,6 +341,7 @@ impl Equipment {
             links: self.links.clone(),
             bodies,
             positioner: self.positioner,
+            track: self.track,
             link_allowance: self.model.arm.allowance_mm,
             ..SceneModel::of(self.arm)
         }
@@ -355,13 +429,16 @@ fn standing(stand: &StandModel, foot: f64, below: f64) -> Result<Vec<Body>, Work
 fn body(
     path: &str,
     solid: &SolidModel,
-    has_table: bool,
+    (has_table, has_track): (bool, bool),
     part: &(Mount, Isometry3<f64>),
     nozzle: &(Mount, Isometry3<f64>),
 ) -> Result<Body, WorkcellError> {
     let no_place = |what| WorkcellError::Mount { path: format!("{path}.mount"), what };
     let (mount, mount_frame) = match solid.mount {
-        MountModel::Base => (Mount::Base, Isometry3::identity()),
+        MountModel::Base if has_track => (Mount::Ground, Isometry3::identity()),
+        MountModel::Carriage | MountModel::Rail if !has_track => return Err(no_place("the workcell has no track")),
+        MountModel::Base | MountModel::Carriage => (Mount::Base, Isometry3::identity()),
+        MountModel::Rail => (Mount::Rail, Isometry3::identity()),
         MountModel::Link(link) if (1..=6).contains(&link) => (Mount::Link(link), Isometry3::identity()),
         MountModel::Link(_) => return Err(no_place("links are numbered from 1 to 6")),
         MountModel::Flange => (Mount::Link(6), Isometry3::identity()),

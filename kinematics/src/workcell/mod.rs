@@ -5,9 +5,10 @@
 //! own is a third one: see [`WorkcellModel`], and [below](#workcells) for the JSON file (cargo feature `serde`).
 //!
 //! [`AnyWorkcell::new`] checks the numbers of a model. What comes out answers all that planners of motions ask of a robot:
-//! [`Workcell`]. There are two kinds, which differ in the number of their joints `N` and of the parameters `F` that a
+//! [`Workcell`]. There are three kinds, which differ in the number of their joints `N` and of the parameters `F` that a
 //! waypoint leaves free:
 //! * [`SixAxisWorkcell`]: `N = 6`, `F = 1`, the tool angle;
+//! * [`SevenAxisWorkcell`]: `N = 7` (the track comes last, in units of [`Track`](crate::Track)), `F = 1`, the place of the track;
 //! * [`EightAxisWorkcell`]: `N = 8` (the table's tilt and turn come last), `F = 2`, tilt and turn.
 //!
 //! [`GrowingScene`] is such a workcell with the layers that are built so far: what touches while printing, and while moving.
@@ -39,8 +40,9 @@
 //!         block_top_mm: 60.0,
 //!     },
 //!     roller: None,
-//!     plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
+//!     plate: PlateModel { thickness_mm: 4.0, diameter_mm: None, size_mm: None },
 //!     positioner: None,
+//!     track: None,
 //!     home_deg: None,
 //!     controller: ControllerModel::default(),
 //!     stand: None,
@@ -69,7 +71,9 @@ mod growing;
 mod lengths;
 mod links;
 mod model;
+mod seven;
 mod six;
+mod tool;
 #[cfg(feature = "urdf")]
 mod urdf;
 
@@ -82,8 +86,9 @@ pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
     ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
     MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, ShapeModel,
-    SolidModel, StandModel, UrdfModel, VERSION, WorkcellModel,
+    SolidModel, StandModel, TrackPart, UrdfModel, VERSION, WorkcellModel,
 };
+pub use seven::SevenAxisWorkcell;
 pub use six::SixAxisWorkcell;
 #[cfg(feature = "urdf")]
 pub use urdf::TextReader;
@@ -95,7 +100,7 @@ use crate::target::{ConfData, Target};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
-/// The values that a free parameter may take, in radians.
+/// The values that a free parameter may take, in radians; of a track in units of its joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FreeRange {
     /// An angle: values a whole turn apart are one.
@@ -116,7 +121,7 @@ pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
     /// What stands in the workcell: the scene, the frames of part and nozzle.
     fn equipment(&self) -> &Equipment;
 
-    /// Limits of all joints in this workcell; those of the table come last.
+    /// Limits of all joints in this workcell; those of the table or the track come last.
     fn limits(&self) -> &JointLimits<N>;
 
     /// What the free parameters may be.
@@ -139,7 +144,7 @@ pub trait Workcell<const N: usize, const F: usize>: Clone + Send + Sync {
 
     /// The joints nearest to `previous` that reach a waypoint with the free parameters `free` and the tool turned by `turn`
     /// about the nozzle against what these say; within the limits, whole turns counted. A table stays where `previous` has it,
-    /// not where `free` says: a nozzle that lifts off moves the arm only. As [`Arm::continuing`](crate::Arm::continuing).
+    /// not where `free` says, and so does a track: a nozzle that lifts off moves the arm only. As [`Arm::continuing`](crate::Arm::continuing).
     fn continuing(&self, waypoint: &Waypoint, free: &[f64; F], turn: f64, previous: &[f64; N]) -> Option<[f64; N]>;
 
     /// Where everything is at a posture, in the base; `None` where a table is beyond its limits.
@@ -175,6 +180,8 @@ pub struct ControllerPose {
     pub target: Target,
     /// Tilt and turn of the table, where there is one.
     pub table: Option<[f64; 2]>,
+    /// The position of the track in millimetres, where there is one.
+    pub track_mm: Option<f64>,
     /// The arm's joints.
     pub joints: [f64; 6],
 }
@@ -187,7 +194,12 @@ pub fn tool_frame(nozzle: &Isometry3<f64>) -> Isometry3<f64> {
 
 fn controller_pose(setup: &Setup, joints: &[f64; 6], table: Option<[f64; 2]>) -> ControllerPose {
     let pose = tool_frame(&setup.nozzle_on_part(joints));
-    ControllerPose { target: Target { pose, conf: ConfData::of(setup.arm(), joints) }, table, joints: *joints }
+    ControllerPose {
+        target: Target { pose, conf: ConfData::of(setup.arm(), joints) },
+        table,
+        track_mm: None,
+        joints: *joints,
+    }
 }
 
 fn frames_of(setup: &Setup, joints: &[f64; 6], held: Held) -> WorkcellFrames {
@@ -199,12 +211,14 @@ fn frames_of(setup: &Setup, joints: &[f64; 6], held: Held) -> WorkcellFrames {
     }
 }
 
-/// A workcell of either kind.
+/// A workcell of any kind.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "there is one of these in a program")]
 pub enum AnyWorkcell {
     /// An arm alone.
     Six(SixAxisWorkcell),
+    /// An arm on a track.
+    Seven(SevenAxisWorkcell),
     /// An arm and a table.
     Eight(EightAxisWorkcell),
 }
@@ -249,9 +263,14 @@ impl AnyWorkcell {
     /// ```
     pub fn with_link_meshes(model: WorkcellModel, read: LinkMeshReader<'_>) -> Result<Self, WorkcellError> {
         let (equipment, table) = Equipment::new(model, read)?;
-        Ok(match table {
-            None => AnyWorkcell::Six(SixAxisWorkcell::new(equipment)?),
-            Some(table) => AnyWorkcell::Eight(EightAxisWorkcell::new(equipment, &table)?),
+        let track = equipment.track().copied();
+        Ok(match (table, track) {
+            (Some(table), _) => AnyWorkcell::Eight(EightAxisWorkcell::new(equipment, &table)?),
+            (None, Some(track)) => {
+                let angle = equipment.model().track.as_ref().map_or(0.0, |part| part.tool_angle_deg.to_radians());
+                AnyWorkcell::Seven(SevenAxisWorkcell::new(equipment, track, angle)?)
+            }
+            (None, None) => AnyWorkcell::Six(SixAxisWorkcell::new(equipment)?),
         })
     }
 
@@ -268,6 +287,7 @@ impl AnyWorkcell {
     pub fn equipment(&self) -> &Equipment {
         match self {
             AnyWorkcell::Six(workcell) => workcell.equipment(),
+            AnyWorkcell::Seven(workcell) => workcell.equipment(),
             AnyWorkcell::Eight(workcell) => workcell.equipment(),
         }
     }

@@ -33,8 +33,11 @@ pub struct WorkcellModel {
     /// The table that carries the part, where there is one.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub positioner: Option<PositionerPart>,
+    /// The track that carries the arm along, where there is one.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub track: Option<TrackPart>,
     /// The posture at which every program begins and ends: the joints of the arm, then tilt and turn of the table, within the
-    /// limits and free with the whole part on the plate. Absent: one is computed above the part.
+    /// limits and free with the whole part on the plate; a track is at [`TrackPart::home_mm`] then. Absent: one is computed above the part.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub home_deg: Option<Vec<f64>>,
     /// How programs drive the extruder and the arm.
@@ -439,6 +442,9 @@ pub struct PlateModel {
     /// Its diameter; `null` or absent: as wide as the print wants it.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub diameter_mm: Option<f64>,
+    /// Its edges along x and y of the part frame, for a plate that is no disc; absent: it is one.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub size_mm: Option<[f64; 2]>,
 }
 
 /// A table that tilts and turns, and carries the part.
@@ -483,6 +489,33 @@ pub enum PositionerGeometry {
         /// Origin of the table frame.
         table_origin_mm: [f64; 3],
     },
+}
+
+/// A linear track: the arm with all that stands on its base travels along a line, and the part stands still. See [`TrackModel`](crate::TrackModel).
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct TrackPart {
+    /// The way of the base as the position grows, of any length.
+    pub direction: [f64; 3],
+    /// The least and the greatest position, as the controller counts.
+    pub range_mm: [f64; 2],
+    /// The position at which the base of the arm is the base of the workcell, in which part and solids are given.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub zero_mm: f64,
+    /// Greatest speed.
+    pub max_speed_mm_s: f64,
+    /// Greatest acceleration; absent: no limit.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_acceleration_mm_s2: Option<f64>,
+    /// Greatest jerk; absent: no limit.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_jerk_mm_s3: Option<f64>,
+    /// Where the track is at home, with the arm at [`WorkcellModel::home_deg`]; absent: in the middle of its range.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub home_mm: Option<f64>,
+    /// The angle about the nozzle, if the nozzle does not lie on axis 6: see [`SevenAxisWorkcell`](super::SevenAxisWorkcell).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub tool_angle_deg: f64,
 }
 
 /// What an arm stands on.
@@ -537,8 +570,12 @@ pub struct SolidModel {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum MountModel {
-    /// The base of the arm, which is the world.
+    /// The base of the arm, which is the world. On a track that is where the base is at [`TrackPart::zero_mm`]: it stands still.
     Base,
+    /// What the track carries along, beside the arm.
+    Carriage,
+    /// The ground as [`MountModel::Base`], of something that the carriage of a track runs on or next to, such as its rail or the floor: it is not compared with carriage and stand.
+    Rail,
     /// The link behind joint 1 to 6.
     Link(usize),
     /// The flange.

@@ -24,7 +24,7 @@ const MARGIN_MM: f64 = 2.0;
 fn ur3() -> SixAxisWorkcell {
     match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
         AnyWorkcell::Six(cell) => cell,
-        AnyWorkcell::Eight(_) => panic!("eight axes"),
+        _ => panic!("eight axes"),
     }
 }
 

@@ -33,6 +33,7 @@ mod scene;
 mod scene_cubic;
 mod setup;
 mod stewart;
+mod track;
 mod ur_calibration;
 #[cfg(feature = "urdf")]
 mod urdf;

@@ -222,8 +222,9 @@ fn ur3() -> SixAxisWorkcell {
             block_top_mm: 60.0,
         },
         roller: None,
-        plate: PlateModel { thickness_mm: 4.0, diameter_mm: None },
+        plate: PlateModel { thickness_mm: 4.0, diameter_mm: None, size_mm: None },
         positioner: None,
+        track: None,
         home_deg: None,
         controller: ControllerModel::default(),
         stand: None,
@@ -231,7 +232,7 @@ fn ur3() -> SixAxisWorkcell {
     };
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Six(cell) => cell,
-        AnyWorkcell::Eight(_) => panic!("eight axes"),
+        _ => panic!("eight axes"),
     }
 }
 
@@ -251,7 +252,7 @@ fn irb1200() -> EightAxisWorkcell {
     });
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
-        AnyWorkcell::Six(_) => panic!("six axes"),
+        _ => panic!("six axes"),
     }
 }
 

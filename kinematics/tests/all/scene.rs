@@ -107,7 +107,7 @@ impl Made {
         let frames = self.arm.frames(&posture.joints);
         let [tilt, turn] = posture.table;
         let place = |body: &Body| match body.mount {
-            Mount::Base => Isometry3::identity(),
+            Mount::Base | Mount::Ground | Mount::Rail => Isometry3::identity(),
             Mount::Link(link) => frames[link],
             Mount::Tilt => self.positioner.forward(&[tilt, 0.0]),
             Mount::Table => self.positioner.forward(&[tilt, turn]),

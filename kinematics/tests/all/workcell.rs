@@ -24,14 +24,14 @@ fn model(text: &str) -> WorkcellModel {
 fn six(model: WorkcellModel) -> SixAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Six(cell) => cell,
-        AnyWorkcell::Eight(_) => panic!("eight axes"),
+        _ => panic!("eight axes"),
     }
 }
 
 fn eight(model: WorkcellModel) -> EightAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
-        AnyWorkcell::Six(_) => panic!("six axes"),
+        _ => panic!("six axes"),
     }
 }
 

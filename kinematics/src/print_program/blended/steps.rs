@@ -7,7 +7,8 @@ use super::span::spans;
 use super::ways;
 use crate::print_program::PrintKnot;
 use crate::print_program::stream::by_joints;
-use crate::program::{ExternalAxes, Goal, Move, SPEED_FACTORS, Speed, Step, Zone};
+use crate::print_program::targets::external;
+use crate::program::{Goal, Move, SPEED_FACTORS, Speed, Step, Zone};
 use crate::workcell::Workcell;
 
 /// The steps of a print as few moves with blends: by joints to the first sample, then each segment from rest to rest.
@@ -54,7 +55,7 @@ pub fn print_blended<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
         let mut steps = Vec::new();
         if !std::mem::replace(&mut has_begun, true) {
             let first = workcell.controller_pose(&segment.samples[0].joints);
-            steps.extend(first.map(|place| by_joints(place.joints, place.table)));
+            steps.extend(first.map(|place| by_joints(place.joints, external(&place))));
         }
         match segment.prints {
             true => along(&samples, part_in_hand(workcell), &options, &mut steps),
@@ -127,7 +128,7 @@ fn travel<const N: usize, const F: usize, W: Workcell<N, F>>(
         let Some(place) = workcell.controller_pose(&to.joints).filter(|_| way > 0.0) else { continue };
         let rad_s = cruise(way, to.time_s - from.time_s, ramps(&zones, k), options.acceleration_rad_s2);
         let speed = Speed { rad_s: rad_s.max(options.min_speed_rad_s), ..Speed::default() };
-        let table = place.table.map(ExternalAxes::from);
+        let table = external(&place);
         steps.push(Step::Move(Move { goal: Goal::Joints(place.joints), table, speed, zone: zones[k] }));
     }
 }

@@ -21,7 +21,8 @@ pub use write::{RapidWritten, write_rapid};
 use super::{ExternalAxes, Payload, ProgramLimits};
 use crate::arm::Arm;
 use crate::positioner::Positioner;
-use nalgebra::Isometry3;
+use crate::track::Track;
+use nalgebra::{Isometry3, Translation3};
 use std::f64::consts::PI;
 
 /// RAPID's `tooldata`.
@@ -181,13 +182,19 @@ pub struct RapidOptions {
     pub arm: Option<Arm>,
     /// The table that is `work_object.unit`, for the same. Default `None`.
     pub positioner: Option<Positioner>,
+    /// The track that carries the arm, the first external axis, for the same. Default `None`.
+    pub track: Option<Track>,
 }
 
 impl RapidOptions {
     /// The pose of the tool in the work object, in millimetres, at these joints of the arm and axes of the table, in radians. `None` without
     /// [`arm`](Self::arm), or where the work object is on a unit and the table, or its axes, are not known.
     pub fn work_tool(&self, joints: &[f64; 6], table: Option<ExternalAxes>) -> Option<Isometry3<f64>> {
-        let world_flange = self.arm.as_ref()?.forward(joints);
+        let base_flange = self.arm.as_ref()?.forward(joints);
+        let world_flange = match &self.track {
+            Some(track) => Translation3::from(track.shift(track.joint(table?.track_mm()?))) * base_flange,
+            None => base_flange,
+        };
         let world_tool = if self.tool.in_hand { world_flange * self.tool.frame } else { self.tool.frame };
         let world_work = match (&self.work_object.unit, self.work_object.in_hand) {
             (Some(_), _) => self.positioner.as_ref()?.forward(&table?.table()?) * self.work_object.frame,
@@ -220,6 +227,7 @@ impl Default for RapidOptions {
             limits: ProgramLimits::default(),
             arm: None,
             positioner: None,
+            track: None,
         }
     }
 }

@@ -40,6 +40,27 @@ impl ExternalAxes {
     }
 }
 
+impl ExternalAxes {
+    /// A linear track at a position in millimetres as the first axis: `eax_a` of RAPID, `E1` of KRL and TP.
+    /// ```
+    /// use curvlay_kinematics::program::ExternalAxes;
+    /// let track = ExternalAxes::of_track(1250.0);
+    /// assert!(track.track_mm().is_some_and(|mm| (mm - 1250.0).abs() < 1e-9));
+    /// assert_eq!(ExternalAxes::from([0.5, -1.0]).track_mm(), None);
+    /// ```
+    pub fn of_track(mm: f64) -> Self {
+        ExternalAxes([Some(mm.to_radians()), None, None, None, None, None])
+    }
+
+    /// The position of a track in millimetres, if the first axis and no other is there, and that is what it is.
+    pub fn track_mm(&self) -> Option<f64> {
+        match self.0 {
+            [Some(track), None, None, None, None, None] => Some(track.to_degrees()),
+            _ => None,
+        }
+    }
+}
+
 impl From<[f64; 2]> for ExternalAxes {
     /// Tilt and turn of a positioner as the first two axes.
     fn from([tilt, turn]: [f64; 2]) -> Self {

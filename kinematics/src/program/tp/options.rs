@@ -19,6 +19,7 @@ use nalgebra::Isometry3;
 /// With the tool in the hand, targets are poses of the user tool `tool_number` in the user frame `frame_number`. With the part in the hand (`RTCP`) the user tool is the part
 /// on the flange and the user frame the tool that stands; a pose is the inverse of the target. The main puts both frames together in a position register and copies it
 /// to `UTOOL` and `UFRAME`: those of these numbers are overwritten. With [`frame_register`](Self::frame_register) `None` they are not.
+/// A track is an extended axis of group 1, `E1` in mm ([`TpOptions::track`]), and lines have no word for it.
 /// A table is the motion group 2, `J1` and so on in degrees; lines have `COORD` then, and the user frame is that on the table.
 ///
 /// # Postures
@@ -41,6 +42,9 @@ pub struct TpOptions {
     pub tool: Isometry3<f64>,
     /// The work object: `world_work`, or `flange_work` in the hand.
     pub work: Isometry3<f64>,
+    /// Whether the first external axis is a linear track that carries the robot: an extended axis of motion group 1, in millimetres. Default false: external axes are
+    /// those of a table.
+    pub track: bool,
     /// Number of the user tool, 1 to 29. Default 1.
     pub tool_number: u8,
     /// Number of the user frame, 1 to 61. Default 1.
@@ -83,6 +87,7 @@ impl Default for TpOptions {
             part_in_hand: false,
             tool: Isometry3::identity(),
             work: Isometry3::identity(),
+            track: false,
             tool_number: 1,
             frame_number: 1,
             frame_register: Some(99),

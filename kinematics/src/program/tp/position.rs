@@ -14,15 +14,41 @@ pub(super) enum Position {
 }
 
 /// The values of a table as those of motion group 2: `J1` on, without gaps. `None` where there is a gap.
-pub(super) fn group_two(table: ExternalAxes) -> Option<Vec<f64>> {
+fn group_two(table: ExternalAxes) -> Option<Vec<f64>> {
     let axes = table.axes();
     let count = axes.iter().take_while(|axis| axis.is_some()).count();
     let is_whole = axes[count..].iter().all(Option::is_none);
     is_whole.then(|| axes.iter().flatten().copied().collect())
 }
 
+/// External axes of a position.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct External {
+    /// `E1` of motion group 1, in mm.
+    pub track_mm: Option<f64>,
+    /// `J1` and so on of motion group 2, in radians.
+    pub table: Vec<f64>,
+}
+
+impl External {
+    /// Of the external axes of a move; `None` for what has no words: gaps between the axes of a table, or other axes beside a track.
+    pub fn of(axes: Option<ExternalAxes>, is_track: bool) -> Option<Self> {
+        let Some(axes) = axes else { return Some(External::default()) };
+        if is_track {
+            return axes.track_mm().map(|mm| External { track_mm: Some(mm), table: Vec::new() });
+        }
+        group_two(axes).map(|table| External { track_mm: None, table })
+    }
+}
+
 /// `P[1]{ .. };`
-pub(super) fn write_position(text: &mut Text, number: u32, position: &Position, table: &[f64], [frame, tool]: [u8; 2]) {
+pub(super) fn write_position(
+    text: &mut Text,
+    number: u32,
+    position: &Position,
+    External { track_mm, table }: &External,
+    [frame, tool]: [u8; 2],
+) {
     let frames = |text: &mut Text| {
         text.word("\tUF : ").fixed(f64::from(frame), 0).word(", UT : ").fixed(f64::from(tool), 0).word(",\t");
     };
@@ -35,18 +61,23 @@ pub(super) fn write_position(text: &mut Text, number: u32, position: &Position, 
             text.word("\tX = ").fixed(at.x, MM).word(" mm,\tY = ").fixed(at.y, MM).word(" mm,\tZ = ").fixed(at.z, MM);
             let [r, p, w] = angles(&target.pose.rotation).map(f64::to_degrees);
             text.word(" mm,\n\tW = ").fixed(w, DEGREES).word(" deg,\tP = ").fixed(p, DEGREES);
-            text.word(" deg,\tR = ").fixed(r, DEGREES).word(" deg\n");
+            text.word(" deg,\tR = ").fixed(r, DEGREES).word(" deg");
         }
         Position::Joints(joints) => {
             text.word("\n");
             write_joints(text, joints);
         }
     }
+    if let Some(mm) = track_mm {
+        text.word(",\n\tE1= ").fixed(*mm, MM).word(" mm");
+    }
+    text.word("\n");
     if !table.is_empty() {
         text.word("   GP2:\n");
         frames(text);
         text.word("\n");
         write_joints(text, table);
+        text.word("\n");
     }
     text.word("};\n");
 }
@@ -56,7 +87,7 @@ fn write_joints(text: &mut Text, joints: &[f64]) {
     for (k, angle) in joints.iter().enumerate() {
         text.word("\tJ").fixed((k + 1) as f64, 0).word("= ").fixed(angle.to_degrees(), DEGREES).word(" deg");
         let is_last = k + 1 == joints.len();
-        text.word(if is_last { "\n" } else { "," });
+        text.word(if is_last { "" } else { "," });
         if k % 3 == 2 && !is_last {
             text.word("\n");
         }

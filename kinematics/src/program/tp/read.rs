@@ -310,10 +310,15 @@ fn position<R: BufRead>(tokens: &mut Tokens<R>, in_hand: bool) -> Result<(Positi
     let mut conf = None;
     let mut place: [Option<f64>; 6] = [None; 6];
     let mut joints: [[Option<f64>; 6]; 2] = [[None; 6]; 2];
+    let mut track_mm = None;
     loop {
         let Some(mut line) = Line::raw(tokens)? else { return Err(Line::default().unexpected("};")) };
         if line.take("}") {
-            return whole(&line, in_hand, conf, place, joints);
+            let table = match (track_mm, ExternalAxes::new(joints[1])) {
+                (Some(_), Some(_)) => return Err(line.unexpected("E1 or GP2, not both")),
+                (track_mm, table) => track_mm.map(ExternalAxes::of_track).or(table),
+            };
+            return whole(&line, in_hand, conf, place, joints[0]).map(|position| (position, table));
         }
         if line.take("GP1:") || line.take("GP2:") {
             group += 1;
@@ -327,6 +332,13 @@ fn position<R: BufRead>(tokens: &mut Tokens<R>, in_hand: bool) -> Result<(Positi
                 line.number("the number of a frame", 0.0, 255.0)?;
             } else if line.take("CONFIG :") {
                 conf = Some(config(&mut line)?);
+            } else if group == 1 && line.take("E1") {
+                line.expect("=")?;
+                let mm = line.number("the position of a track", -MAX_NUMBER, MAX_NUMBER)?;
+                line.expect("mm")?;
+                if track_mm.replace(mm).is_some() {
+                    return Err(line.unexpected("each component once"));
+                }
             } else {
                 component(&mut line, &mut place, &mut joints[group - 1])?;
             }
@@ -380,19 +392,18 @@ fn whole(
     in_hand: bool,
     config: Option<ConfData>,
     place: [Option<f64>; 6],
-    [joints, table]: [[Option<f64>; 6]; 2],
-) -> Result<(Position, Option<ExternalAxes>), ReadError> {
+    joints: [Option<f64>; 6],
+) -> Result<Position, ReadError> {
     let all = |values: [Option<f64>; 6]| -> Option<[f64; 6]> {
         values.iter().all(Option::is_some).then(|| values.map(Option::unwrap_or_default))
     };
-    let table = ExternalAxes::new(table);
     match (config, all(place), all(joints)) {
         (Some(conf), Some(numbers), None) => {
             let written = pose(numbers);
             let pose = if in_hand { written.inverse() } else { written };
-            Ok((Position::Pose(Target { pose, conf }), table))
+            Ok(Position::Pose(Target { pose, conf }))
         }
-        (None, None, Some(joints)) => Ok((Position::Joints(joints), table)),
+        (None, None, Some(joints)) => Ok(Position::Joints(joints)),
         _ => Err(line.unexpected("CONFIG and X to R, or J1 to J6, before the end of a position")),
     }
 }

@@ -4,7 +4,7 @@ use super::options::{
     AXIS_SPEED, COUNTS, EXTRUDER, FILAMENT, FULL_SCALE, HEAD_INPUTS, HEAD_OUTPUTS, IN_HAND, MM, TpOptions,
     check_options,
 };
-use super::position::{Position, group_two, write_position};
+use super::position::{External, Position, write_position};
 use crate::program::check::Checker;
 use crate::program::text::Text;
 use crate::program::text::angles::angles;
@@ -78,7 +78,7 @@ pub fn write_tp<W: Write>(
                     written.stops_added += 1;
                 }
                 at_rest = to.zone == Zone::Stop;
-                current.drive(&to, options).ok_or_else(|| checker.unsupported("external axes with gaps", "TP"))?;
+                current.drive(&to, options).ok_or_else(|| checker.unsupported(other_axes(options), "TP"))?;
             }
             Step::Servo { .. } => return Err(checker.unsupported("stream of joints", "TP")),
             signal => {
@@ -164,15 +164,16 @@ impl Part {
     /// A move; `None` for external axes with gaps.
     fn drive(&mut self, to: &Move, options: &TpOptions) -> Option<()> {
         self.moves += 1;
-        let table = to.table.map_or(Some(Vec::new()), group_two)?;
-        self.has_table |= !table.is_empty();
+        let external = External::of(to.table, options.track)?;
+        let has_table = !external.table.is_empty();
+        self.has_table |= has_table;
         let written = |target: &Target| Target { pose: written_pose(options, &target.pose), ..*target };
         let position = match &to.goal {
             Goal::Line(target) | Goal::JointMove(target) => Position::Pose(written(target)),
             Goal::Joints(joints) => Position::Joints(*joints),
         };
         let frames = [options.frame_number, options.tool_number];
-        write_position(&mut self.positions, self.moves, &position, &table, frames);
+        write_position(&mut self.positions, self.moves, &position, &external, frames);
         let mut text = Text::default();
         let number = f64::from(self.moves);
         match to.goal {
@@ -193,7 +194,7 @@ impl Part {
         };
         if matches!(to.goal, Goal::Line(_)) {
             text.word(if options.part_in_hand { " RTCP" } else { "" });
-            text.word(if table.is_empty() { "" } else { " COORD" });
+            text.word(if has_table { " COORD" } else { "" });
         }
         self.line(&String::from_utf8_lossy(&text.0));
         Some(())
@@ -212,6 +213,11 @@ impl Part {
 
 fn part_name(options: &TpOptions, number: u32) -> String {
     format!("{}_{number:03}", options.name)
+}
+
+/// What external axes have no words, for errors.
+fn other_axes(options: &TpOptions) -> &'static str {
+    if options.track { "external axes other than a track" } else { "external axes with gaps" }
 }
 
 /// The pose of the tool in the work object, or of the part in the tool.

@@ -85,7 +85,9 @@ pub fn write_urscript(
         match &step {
             Step::Move(to) => {
                 if to.table.is_some() {
-                    return Err(checker.unsupported("table that moves along", FORMAT));
+                    return Err(
+                        checker.unsupported("external axis, for a table or a track; RAPID, KRL and TP have", FORMAT)
+                    );
                 }
                 program.drive(to);
             }
