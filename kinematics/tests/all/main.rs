@@ -34,6 +34,7 @@ mod scene_cubic;
 mod setup;
 mod stewart;
 mod ur_calibration;
+mod ur_stream;
 #[cfg(feature = "urdf")]
 mod urdf;
 mod workcell;
