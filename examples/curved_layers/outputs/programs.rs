@@ -43,6 +43,10 @@ pub struct Programs {
     pub bytes: u64,
     /// Motions that are in none of them, since they are not safe.
     pub withheld: usize,
+    /// Motions, or moves, without a step, since the controller has no pose for them.
+    pub dropped: u64,
+    /// Moves whose speed the controller does not take, so that it is another one.
+    pub clamped: u64,
     /// Why there are none.
     pub refused: Option<String>,
     /// What they hold, read again.
@@ -119,10 +123,10 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
         let (steps, runs) = (stream(cell, plan, piece.clone()), piece);
         if format == ProgramFormat::Csv {
-            return write_csv(steps, &limits, out);
+            return write_csv(steps, &limits, out).map(|()| 0);
         }
         let options = with_ends(urscript_options(cell, plan, name), plan, runs);
-        write_urscript(steps, &options, out).map(|_| ())
+        write_urscript(steps, &options, out).map(|_| 0)
     };
     let steps = |piece: Range<usize>| {
         plan.segments(piece).map(|leg| leg.duration()).sum::<f64>()
@@ -139,7 +143,9 @@ fn blends<const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> Result<Programs, Trouble> {
     let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
         let options = with_ends(blended_options(cell, plan, name), plan, piece.clone());
-        write_urscript(blended(cell, plan, piece), &options, out).map(|_| ())
+        let mut steps = blended(cell, plan, piece);
+        write_urscript(&mut steps, &options, out)?;
+        Ok(steps.dropped())
     };
     let steps = |piece: Range<usize>| blended(cell, plan, piece).count() as f64;
     of_pieces(plan, steps, "script", folder, write)
@@ -170,7 +176,11 @@ fn csv_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
-    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| write_csv(targets(cell, plan, piece), &limits, out);
+    let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| {
+        let mut steps = targets(cell, plan, piece);
+        write_csv(&mut steps, &limits, out)?;
+        Ok(steps.dropped())
+    };
     let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
     of_pieces(plan, moves, "csv", folder, write)
 }
@@ -193,9 +203,12 @@ fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
             unfinished.push(begun);
             Ok(BufWriter::new(file))
         };
-        let steps = targets(cell, plan, piece.clone());
-        let (main, moves) =
-            write_modules(steps, (cell.equipment(), plan.max_filament_mm_s()), format, most, name, &mut open)?;
+        let mut steps = targets(cell, plan, piece.clone());
+        let written =
+            write_modules(&mut steps, (cell.equipment(), plan.max_filament_mm_s()), format, most, name, &mut open)?;
+        let (main, [moves, clamped]) = written;
+        programs.dropped += steps.dropped();
+        programs.clamped += clamped;
         programs.files += unfinished.len() - before;
         programs.steps += moves;
         list += &listed(plan, piece, &main, moves);
@@ -207,7 +220,7 @@ fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
     Ok(programs)
 }
 
-/// Writes one program; its main file, and its moves.
+/// Writes one program; its main file, its moves, and those with another speed.
 fn write_modules<O: Write>(
     steps: impl Iterator<Item = Step>,
     (equipment, filament_mm_s): (&Equipment, f64),
@@ -215,25 +228,27 @@ fn write_modules<O: Write>(
     most: Option<u32>,
     name: String,
     open: &mut impl FnMut(&str) -> io::Result<O>,
-) -> Result<(String, u64), WriteError> {
+) -> Result<(String, [u64; 2]), WriteError> {
     let filament_full_scale_mm_s = full_scale(filament_mm_s);
     match format {
         ProgramFormat::Krl => {
             let options = KrlOptions::of_workcell(equipment);
             let moves_per_module = most.unwrap_or(options.moves_per_module);
             let options = KrlOptions { name: name.clone(), moves_per_module, filament_full_scale_mm_s, ..options };
-            Ok((format!("{name}.src"), write_krl(steps, &options, open)?.moves))
+            let written = write_krl(steps, &options, open)?;
+            Ok((format!("{name}.src"), [written.moves, written.speeds_clamped]))
         }
         ProgramFormat::Tp => {
             let options = TpOptions::of_workcell(equipment);
             let moves_per_program = most.unwrap_or(options.moves_per_program);
             let options = TpOptions { name: name.clone(), moves_per_program, filament_full_scale_mm_s, ..options };
-            Ok((format!("{name}.ls"), write_tp(steps, &options, open)?.moves))
+            let written = write_tp(steps, &options, open)?;
+            Ok((format!("{name}.ls"), [written.moves, written.speeds_clamped]))
         }
         _ => {
             let moves_per_module = most.unwrap_or(MODULE_MOVES);
             let options = RapidOptions { name: name.clone(), moves_per_module, ..RapidOptions::of_workcell(equipment) };
-            Ok((format!("{name}.mod"), write_rapid(steps, &options, open)?.moves))
+            Ok((format!("{name}.mod"), [write_rapid(steps, &options, open)?.moves, 0]))
         }
     }
 }
@@ -274,7 +289,7 @@ fn of_pieces<const N: usize, const F: usize>(
     steps: impl Fn(Range<usize>) -> f64,
     ending: &str,
     folder: &OutputFolder,
-    write: impl Fn(Range<usize>, &str, &mut dyn Write) -> Result<(), WriteError>,
+    write: impl Fn(Range<usize>, &str, &mut dyn Write) -> Result<u64, WriteError>,
 ) -> Result<Programs, Trouble> {
     let mut unfinished: Vec<Unfinished> = Vec::new();
     let mut programs = Programs::default();
@@ -285,7 +300,7 @@ fn of_pieces<const N: usize, const F: usize>(
         let (begun, file) =
             folder.begin(&file_name).map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         let mut file = BufWriter::new(file);
-        write(piece.clone(), &name, &mut file)?;
+        programs.dropped += write(piece.clone(), &name, &mut file)?;
         file.flush().map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         unfinished.push(begun);
         let steps = steps(piece.clone()).ceil() as u64;
@@ -306,6 +321,8 @@ pub fn summary(run: &Programs, summary: &mut Summary) -> Result<(), Failure> {
         .set("program_steps", run.steps)?
         .set("program_bytes", run.bytes)?
         .set("program_withheld", run.withheld)?
+        .set("program_dropped", run.dropped)?
+        .set("program_speeds_clamped", run.clamped)?
         .set("program_refused", run.refused.as_deref().unwrap_or(""))?;
     if let Some(read) = &run.read {
         summary
@@ -321,6 +338,18 @@ pub fn summary(run: &Programs, summary: &mut Summary) -> Result<(), Failure> {
 pub fn find(run: &Programs, fastest_mm_s: f64, findings: &mut Findings) {
     if let Some(why) = &run.refused {
         findings.add(Severity::Failed, "no programs were written", why, "--program");
+    }
+    if run.dropped > 0 {
+        let amount = counted(run.dropped as usize, "motion");
+        findings
+            .explain(Severity::Failed, "programs lack motions", amount, "programs.csv")
+            .cause("the controller has no pose for a posture: a table beyond its limits");
+    }
+    if run.clamped > 0 {
+        let amount = counted(run.clamped as usize, "move");
+        findings.explain(Severity::Warning, "moves have another speed than planned", amount, "programs.csv").cause(
+            "the controller takes no such speed: moves by joints go from 1 to 100 percent, and turning has limits",
+        );
     }
     let Some(ReadBack { programs, not_at_home, filament_mm, planned_mm, off_mm, travel_mm_s }) = run.read else {
         return;
