@@ -24,7 +24,7 @@ use curvlay_examples::motion::programs::full_scale;
 use curvlay_examples::signals;
 use curvlay_kinematics::program::UrScriptOptions;
 use curvlay_kinematics::program::ur_stream::{
-    UrFault, UrSenderOptions, UrState, UrStreamError, UrStreamOptions, UrStreamProgress, UrTick, write_ur_stream,
+    UrFault, UrSenderOptions, UrStreamError, UrStreamJob, UrStreamOptions, UrStreamProgress, UrTick, write_ur_stream,
 };
 use places::Places;
 use print::{Counted, Print};
@@ -102,7 +102,7 @@ fn prepared(args: &Args, print: &Print, bars: &Bars) -> Result<(UrStreamOptions,
     write_ur_stream(&options, std::io::sink())?;
     // The job is that of what is sent.
     let (ticks, _) = print.ticks(&options);
-    let job = curvlay_kinematics::program::ur_stream::UrStreamJob::of(slow_approach(ticks, args))?;
+    let job = UrStreamJob::of(slow_approach(ticks, args))?;
     Ok((options, Counted { job, ..counted }))
 }
 
@@ -146,9 +146,6 @@ fn live(
         signals::came,
         report,
     )?;
-    if done.state == UrState::Stopped {
-        return Ok(format!("stopped behind tick {} of {}; the extruder is off", done.run, done.total));
-    }
     Ok(format!("done over {} connections, {} ticks sent again", done.connections, done.resent))
 }
 
@@ -190,6 +187,7 @@ fn said(error: &StreamError, places: &Places) -> Failure {
         StreamError::Stream(UrStreamError::Jump { tick, .. }) => {
             Failure::new(format!("{error}, at {}", places.name(*tick)))
         }
+        StreamError::Stopped { run, .. } => Failure::new(format!("{error}: {}", places.name(*run))),
         other => Failure::new(other.to_string()),
     }
 }

@@ -2,7 +2,7 @@
 //! `curvlay_kinematics::program::ur_stream`.
 
 use curvlay_kinematics::program::ur_stream::{
-    UrSenderOptions, UrStreamError, UrStreamJob, UrStreamProgress, UrStreamSender, UrTick,
+    UrSenderOptions, UrState, UrStreamError, UrStreamJob, UrStreamProgress, UrStreamSender, UrTick,
 };
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -14,6 +14,14 @@ pub enum StreamError {
     /// The robot has not connected.
     #[error("no robot has connected within {} s; is its program started, and is the address in it that of this computer?", .0.as_secs())]
     NoRobot(Duration),
+    /// The robot was stopped, as it was asked for.
+    #[error("stopped behind tick {run} of {total}, as it was asked for; the extruder is off")]
+    Stopped {
+        /// The last tick that it has run.
+        run: u32,
+        /// Ticks of the print.
+        total: u32,
+    },
     /// The port cannot be used.
     #[error("the port cannot be used: {0}")]
     Port(#[from] io::Error),
@@ -83,7 +91,11 @@ pub fn stream(
                 socket.set_write_timeout(Some(WRITE))?;
                 sender.connected(clock.now())?;
                 converse(&mut sender, &mut socket, clock, &stops, &mut report)?;
-                if sender.progress().over {
+                let UrStreamProgress { over, state, run, total, .. } = sender.progress();
+                if over && state == UrState::Stopped {
+                    return Err(StreamError::Stopped { run, total });
+                }
+                if over {
                     return Ok(sender.progress());
                 }
                 sender.disconnected();
