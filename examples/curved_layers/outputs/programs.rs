@@ -8,7 +8,7 @@
 
 use crate::args::failure;
 use crate::motion::MotionRun;
-use crate::motion::args::ProgramFormat;
+use crate::motion::args::{MotionArgs, ProgramFormat};
 use crate::motion::read_back::read_back;
 use curvlay_examples::args::Failure;
 use curvlay_examples::count::counted;
@@ -23,8 +23,8 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    KrlOptions, ProgramLimits, RapidOptions, Step, TpOptions, UrScriptOptions, WriteError, write_csv, write_krl,
-    write_rapid, write_tp, write_urscript,
+    KrlOptions, ProgramLimits, RapidOptions, Step, TpOptions, UrExtruder, UrScriptOptions, WriteError, write_csv,
+    write_krl, write_rapid, write_tp, write_urscript,
 };
 use curvlay_kinematics::workcell::{Equipment, Workcell};
 use curvlay_trajectory::print::PrintPlan;
@@ -78,10 +78,11 @@ impl From<OutputError> for Trouble {
 /// What the controller refuses is no program, but no reason to leave the rest out.
 pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     run: &MotionRun<N, F, W>,
+    args: &MotionArgs,
     format: ProgramFormat,
-    most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Failure> {
+    let (most, extruder) = (args.program_steps, args.extruder.ur_extruder.0);
     let (cell, plan, withheld) = (&run.cell, &run.plan, run.withheld);
     let none = Programs { withheld, ..Programs::default() };
     if format == ProgramFormat::None || plan.runs.is_empty() {
@@ -96,9 +97,9 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     }
     let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
     let written = match format {
-        ProgramFormat::UrscriptMovep => blends(cell, plan, folder),
+        ProgramFormat::UrscriptMovep => blends(cell, plan, extruder, folder),
         ProgramFormat::Krl | ProgramFormat::Tp | ProgramFormat::Rapid => modules(cell, plan, format, most, folder),
-        _ if is_stream => streams(cell, plan, format, folder),
+        _ if is_stream => streams(cell, plan, (format, extruder), folder),
         _ => csv_targets(cell, plan, folder),
     };
     match written {
@@ -115,7 +116,7 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
 fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
-    format: ProgramFormat,
+    (format, extruder): (ProgramFormat, UrExtruder),
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
@@ -125,7 +126,7 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
         if format == ProgramFormat::Csv {
             return write_csv(steps, &limits, out).map(|()| 0);
         }
-        let options = with_ends(urscript_options(cell, plan, name), plan, runs);
+        let options = UrScriptOptions { extruder, ..with_ends(urscript_options(cell, plan, name), plan, runs) };
         write_urscript(steps, &options, out).map(|_| 0)
     };
     let steps = |piece: Range<usize>| {
@@ -139,10 +140,12 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
 fn blends<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
+    extruder: UrExtruder,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
         let options = with_ends(blended_options(cell, plan, name), plan, piece.clone());
+        let options = UrScriptOptions { extruder, ..options };
         let mut steps = blended(cell, plan, piece);
         write_urscript(&mut steps, &options, out)?;
         Ok(steps.dropped())
