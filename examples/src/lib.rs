@@ -23,7 +23,7 @@ pub mod report;
 mod run;
 pub mod settings;
 pub mod shapes;
-mod signals;
+pub mod signals;
 pub mod spiral;
 pub mod summary;
 pub mod table;

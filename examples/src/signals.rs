@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Files that were begun and are not finished. The list belongs to the process, as signals do.
@@ -35,6 +36,20 @@ pub(crate) fn briefly<T>(make_and_remove: impl FnOnce() -> T) -> T {
     make_and_remove()
 }
 
+/// Whether the first signal is left to the program, and whether one has come.
+static LEFT: AtomicBool = AtomicBool::new(false);
+static CAME: AtomicBool = AtomicBool::new(false);
+
+/// Leaves the first signal to the program from now on, or no longer: it asks [`came`] and comes to an end by itself. The second signal ends the process.
+pub fn leave(left: bool) {
+    LEFT.store(left, Ordering::SeqCst);
+}
+
+/// Whether a signal has come that was left to the program.
+pub fn came() -> bool {
+    CAME.load(Ordering::SeqCst)
+}
+
 /// Handles signals from now on; the second call does nothing. Where no handler can be set, the system's stays.
 #[cfg(unix)]
 pub fn handle() {
@@ -47,7 +62,13 @@ pub fn handle() {
     ONCE.call_once(|| {
         let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else { return };
         thread::spawn(move || {
-            let Some(signal) = signals.forever().next() else { return };
+            let mut signals = signals.forever();
+            let Some(mut signal) = signals.next() else { return };
+            if LEFT.load(Ordering::SeqCst) {
+                CAME.store(true, Ordering::SeqCst);
+                let Some(second) = signals.next() else { return };
+                signal = second;
+            }
             // Held to the end: nothing new is begun.
             let files = begun();
             for file in files.iter() {

@@ -1,7 +1,7 @@
 //! Options of the stage: which workcell, and what its controller is given.
 
 use clap::ValueEnum;
-use curvlay_examples::args::{Failure, above_zero, from_zero, limit};
+use curvlay_examples::args::{Failure, UrExtruderArgs, above_zero, from_zero, limit};
 use curvlay_examples::motion::{TABLE_CELL, UR3_CELL, programs, workcell_model, workcell_of};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, ProgramLanguage, WorkcellModel};
 use std::path::PathBuf;
@@ -57,6 +57,8 @@ pub struct MotionArgs {
     /// rapid and krl 5000, of tp 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub program_steps: Option<u32>,
+    #[command(flatten)]
+    pub extruder: UrExtruderArgs,
 }
 
 /// What a program is written in.

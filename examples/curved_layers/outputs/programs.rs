@@ -8,7 +8,7 @@
 
 use crate::args::failure;
 use crate::motion::MotionRun;
-use crate::motion::args::ProgramFormat;
+use crate::motion::args::{MotionArgs, ProgramFormat};
 use crate::motion::read_back::read_back;
 use curvlay_examples::args::Failure;
 use curvlay_examples::count::counted;
@@ -24,7 +24,7 @@ use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_kinematics::print_program::StreamOptions;
 use curvlay_kinematics::program::{
-    ProgramLimits, Step, UrScriptOptions, WriteError, write_csv, write_csv_on_track, write_urscript,
+    ProgramLimits, Step, UrExtruder, UrScriptOptions, WriteError, write_csv, write_csv_on_track, write_urscript,
 };
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_trajectory::print::PrintPlan;
@@ -40,6 +40,10 @@ pub struct Programs {
     pub bytes: u64,
     /// Motions that are in none of them, since they are not safe.
     pub withheld: usize,
+    /// Motions, or moves, without a step, since the controller has no pose for them.
+    pub dropped: u64,
+    /// Moves whose speed the controller does not take, so that it is another one.
+    pub clamped: u64,
     /// Why there are none.
     pub refused: Option<String>,
     /// What they hold, read again.
@@ -71,10 +75,11 @@ impl From<OutputError> for Trouble {
 /// What the controller refuses is no program, but no reason to leave the rest out.
 pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     run: &MotionRun<N, F, W>,
+    args: &MotionArgs,
     format: ProgramFormat,
-    most: Option<u32>,
     folder: &OutputFolder,
 ) -> Result<Programs, Failure> {
+    let (most, extruder) = (args.program_steps, args.extruder.ur_extruder.0);
     let (cell, plan, withheld) = (&run.cell, &run.plan, run.withheld);
     let none = Programs { withheld, ..Programs::default() };
     if format == ProgramFormat::None || plan.runs.is_empty() {
@@ -89,11 +94,11 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
     }
     let is_stream = takes_stream(cell.equipment()).unwrap_or(false);
     let written = match format {
-        ProgramFormat::UrscriptMovep => blends(cell, plan, folder),
+        ProgramFormat::UrscriptMovep => blends(cell, plan, extruder, folder),
         ProgramFormat::Krl => modules(cell, plan, (TargetLanguage::Krl, most), folder),
         ProgramFormat::Tp => modules(cell, plan, (TargetLanguage::Tp, most), folder),
         ProgramFormat::Rapid => modules(cell, plan, (TargetLanguage::Rapid, most), folder),
-        _ if is_stream => streams(cell, plan, format, folder),
+        _ if is_stream => streams(cell, plan, (format, extruder), folder),
         _ => csv_targets(cell, plan, folder),
     };
     match written {
@@ -110,7 +115,7 @@ pub fn products<const N: usize, const F: usize, W: Workcell<N, F>>(
 fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
-    format: ProgramFormat,
+    (format, extruder): (ProgramFormat, UrExtruder),
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
@@ -118,10 +123,10 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
     let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
         let (steps, runs) = (stream(cell, plan, piece.clone()), piece);
         if format == ProgramFormat::Csv {
-            return write_csv(steps, &limits, out);
+            return write_csv(steps, &limits, out).map(|()| 0);
         }
-        let options = with_ends(urscript_options(cell, plan, name), plan, runs);
-        write_urscript(steps, &options, out).map(|_| ())
+        let options = UrScriptOptions { extruder, ..with_ends(urscript_options(cell, plan, name), plan, runs) };
+        write_urscript(steps, &options, out).map(|_| 0)
     };
     let steps = |piece: Range<usize>| {
         plan.segments(piece).map(|leg| leg.duration()).sum::<f64>()
@@ -134,11 +139,15 @@ fn streams<const N: usize, const F: usize, W: Workcell<N, F>>(
 fn blends<const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &W,
     plan: &PrintPlan<N, F>,
+    extruder: UrExtruder,
     folder: &OutputFolder,
 ) -> Result<Programs, Trouble> {
     let write = |piece: Range<usize>, name: &str, out: &mut dyn Write| {
         let options = with_ends(blended_options(cell, plan, name), plan, piece.clone());
-        write_urscript(blended(cell, plan, piece), &options, out).map(|_| ())
+        let options = UrScriptOptions { extruder, ..options };
+        let mut steps = blended(cell, plan, piece);
+        write_urscript(&mut steps, &options, out)?;
+        Ok(steps.dropped())
     };
     let steps = |piece: Range<usize>| blended(cell, plan, piece).count() as f64;
     of_pieces(plan, steps, "script", folder, write)
@@ -171,8 +180,12 @@ fn csv_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     let limits = ProgramLimits::of_arm(cell.equipment().arm());
     let is_track = cell.equipment().track().is_some();
     let write = |piece: Range<usize>, _: &str, out: &mut dyn Write| {
-        let steps = targets(cell, plan, piece);
-        if is_track { write_csv_on_track(steps, &limits, out) } else { write_csv(steps, &limits, out) }
+        let mut steps = targets(cell, plan, piece);
+        match is_track {
+            true => write_csv_on_track(&mut steps, &limits, out)?,
+            false => write_csv(&mut steps, &limits, out)?,
+        }
+        Ok(steps.dropped())
     };
     let moves = |piece| targets(cell, plan, piece).filter(|step| matches!(step, Step::Move(_))).count() as f64;
     of_pieces(plan, moves, "csv", folder, write)
@@ -195,9 +208,12 @@ fn modules<const N: usize, const F: usize, W: Workcell<N, F>>(
             unfinished.push(begun);
             Ok(BufWriter::new(file))
         };
-        let steps = targets(cell, plan, piece.clone());
+        let mut steps = targets(cell, plan, piece.clone());
         let format = TargetFormat { name, language, moves_per_file, max_filament_mm_s: plan.max_filament_mm_s() };
-        let TargetProgram { main, moves } = write_targets(steps, cell.equipment(), &format, &mut open)?;
+        let TargetProgram { main, moves, speeds_clamped } =
+            write_targets(&mut steps, cell.equipment(), &format, &mut open)?;
+        programs.dropped += steps.dropped();
+        programs.clamped += speeds_clamped;
         programs.files += unfinished.len() - before;
         programs.steps += moves;
         list += &listed(plan, piece, &main, moves);
@@ -245,7 +261,7 @@ fn of_pieces<const N: usize, const F: usize>(
     steps: impl Fn(Range<usize>) -> f64,
     ending: &str,
     folder: &OutputFolder,
-    write: impl Fn(Range<usize>, &str, &mut dyn Write) -> Result<(), WriteError>,
+    write: impl Fn(Range<usize>, &str, &mut dyn Write) -> Result<u64, WriteError>,
 ) -> Result<Programs, Trouble> {
     let mut unfinished: Vec<Unfinished> = Vec::new();
     let mut programs = Programs::default();
@@ -256,7 +272,7 @@ fn of_pieces<const N: usize, const F: usize>(
         let (begun, file) =
             folder.begin(&file_name).map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         let mut file = BufWriter::new(file);
-        write(piece.clone(), &name, &mut file)?;
+        programs.dropped += write(piece.clone(), &name, &mut file)?;
         file.flush().map_err(|source| WriteError::Io { file: file_name.clone(), source })?;
         unfinished.push(begun);
         let steps = steps(piece.clone()).ceil() as u64;
@@ -277,6 +293,8 @@ pub fn summary(run: &Programs, summary: &mut Summary) -> Result<(), Failure> {
         .set("program_steps", run.steps)?
         .set("program_bytes", run.bytes)?
         .set("program_withheld", run.withheld)?
+        .set("program_dropped", run.dropped)?
+        .set("program_speeds_clamped", run.clamped)?
         .set("program_refused", run.refused.as_deref().unwrap_or(""))?;
     if let Some(read) = &run.read {
         summary
@@ -292,6 +310,18 @@ pub fn summary(run: &Programs, summary: &mut Summary) -> Result<(), Failure> {
 pub fn find(run: &Programs, fastest_mm_s: f64, findings: &mut Findings) {
     if let Some(why) = &run.refused {
         findings.add(Severity::Failed, "no programs were written", why, "--program");
+    }
+    if run.dropped > 0 {
+        let amount = counted(run.dropped as usize, "motion");
+        findings
+            .explain(Severity::Failed, "programs lack motions", amount, "programs.csv")
+            .cause("the controller has no pose for a posture: a table beyond its limits");
+    }
+    if run.clamped > 0 {
+        let amount = counted(run.clamped as usize, "move");
+        findings.explain(Severity::Warning, "moves have another speed than planned", amount, "programs.csv").cause(
+            "the controller takes no such speed: moves by joints go from 1 to 100 percent, and turning has limits",
+        );
     }
     let Some(ReadBack { programs, not_at_home, filament_mm, planned_mm, off_mm, travel_mm_s }) = run.read else {
         return;

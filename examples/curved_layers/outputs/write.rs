@@ -96,8 +96,7 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
             machine.iter().try_for_each(|run| machine::products(args, &part.name, run, (files, folder)))?;
             let Some(motion) = motion else { return Ok(()) };
             of_run!(motion, run => motion::products(run, folder)?);
-            let written =
-                of_run!(motion, run => programs::products(run, setup.format, args.motion.program_steps, folder)?);
+            let written = of_run!(motion, run => programs::products(run, &args.motion, setup.format, folder)?);
             programs::find(&written, of_run!(motion, run => run.fastest_mm_s()), findings);
             findings.say();
             files.programs = Some(written);

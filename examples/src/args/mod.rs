@@ -23,6 +23,7 @@ mod common;
 mod part;
 mod rules;
 mod typed;
+mod ur_extruder;
 
 pub use crate::outcome::{Failure, Outcome};
 pub use crate::run::{one_line, run, run_command, run_with_args};
@@ -33,3 +34,4 @@ pub use common::Common;
 pub use part::{MeshArgs, Part};
 pub use rules::{above_zero, celsius, from_zero, limit, share};
 pub use typed::{is_typed, typed_name};
+pub use ur_extruder::{Choice, UrExtruderArgs, ur_extruder};

@@ -1,8 +1,8 @@
 //! The motions of a planned print as robot programs take them.
 
 use curvlay_kinematics::print_program::{
-    BlendOptions, BlendedSegment, PrintKnot, StreamOptions, StreamSegment, TargetMotion, TargetOptions, print_blended,
-    print_pieces, print_stream, print_targets,
+    BlendOptions, BlendedSegment, PrintKnot, PrintSteps, StreamOptions, StreamSegment, TargetMotion, TargetOptions,
+    print_blended, print_pieces, print_stream, print_targets,
 };
 use curvlay_kinematics::program::{FILAMENT_FULL_SCALE_MM_S, Step, Straight, UrScriptOptions};
 use curvlay_kinematics::workcell::{Equipment, ProgramLanguage, Workcell};
@@ -155,7 +155,7 @@ pub fn blended<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &'a W,
     plan: &'a PrintPlan<N, F>,
     runs: Range<usize>,
-) -> impl Iterator<Item = Step> + 'a {
+) -> PrintSteps<impl Iterator<Item = Step> + 'a> {
     let segments = plan
         .segments(runs)
         .map(|segment| BlendedSegment { samples: samples(&segment), prints: segment.kind == SegmentKind::Print });
@@ -201,7 +201,7 @@ pub fn targets<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     cell: &'a W,
     plan: &'a PrintPlan<N, F>,
     runs: Range<usize>,
-) -> impl Iterator<Item = Step> + 'a {
+) -> PrintSteps<impl Iterator<Item = Step> + 'a> {
     let motions = runs.flat_map(|number| {
         let run = &plan.runs[number];
         let (times, joints) = (run.trajectory.times(), run.trajectory.joints());

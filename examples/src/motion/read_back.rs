@@ -4,6 +4,7 @@
 //! that a reader finds in the files.
 
 use super::programs::{samples, takes_stream};
+use curvlay_kinematics::print_program::BlendOptions;
 use curvlay_kinematics::program::{ExternalAxes, Goal, Move, Step};
 use curvlay_kinematics::scene::Mount;
 use curvlay_kinematics::workcell::Workcell;
@@ -153,7 +154,14 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Tool<'_, N, F, W> {
                 }
                 (self.place, self.ends[1]) = (to, Some(*joints));
             }
-            Step::Move(Move { goal: Goal::Joints(joints), .. }) => {
+            Step::Move(Move { goal: Goal::Joints(joints), speed, .. }) => {
+                // Signals of moves with blends come before the end of a travel where the extruder has a lag.
+                if let (true, Kind::Blended { .. }, Some(from)) = (self.is_on, self.kind, self.ends[1]) {
+                    let turn = from.iter().zip(joints).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    let rad_s2 = BlendOptions::of_workcell(self.cell.equipment()).acceleration_rad_s2;
+                    let seconds = if turn > 0.0 { turn / speed.rad_s + speed.rad_s / rad_s2 } else { 0.0 };
+                    read.filament_mm += self.fed * seconds;
+                }
                 self.ends = [self.ends[0].or(Some(*joints)), Some(*joints)];
                 self.place = self.tip(&of_cell(joints));
             }

@@ -67,6 +67,8 @@ pub struct TargetProgram {
     pub main: String,
     /// Moves in all its files.
     pub moves: u64,
+    /// Those with another speed than planned, since the controller takes no such speed.
+    pub speeds_clamped: u64,
 }
 
 /// Writes one program, its main file and its modules.
@@ -88,20 +90,23 @@ pub fn write_targets<O: Write>(
             let moves_per_module = moves_per_file.unwrap_or(options.moves_per_module);
             let main = format!("{name}.src");
             let options = KrlOptions { name, moves_per_module, filament_full_scale_mm_s, ..options };
-            Ok(TargetProgram { main, moves: write_krl(steps, &options, open)?.moves })
+            let written = write_krl(steps, &options, open)?;
+            Ok(TargetProgram { main, moves: written.moves, speeds_clamped: written.speeds_clamped })
         }
         TargetLanguage::Tp => {
             let options = TpOptions::of_workcell(equipment);
             let moves_per_program = moves_per_file.unwrap_or(options.moves_per_program);
             let main = format!("{name}.ls");
             let options = TpOptions { name, moves_per_program, filament_full_scale_mm_s, ..options };
-            Ok(TargetProgram { main, moves: write_tp(steps, &options, open)?.moves })
+            let written = write_tp(steps, &options, open)?;
+            Ok(TargetProgram { main, moves: written.moves, speeds_clamped: written.speeds_clamped })
         }
         TargetLanguage::Rapid => {
             let moves_per_module = moves_per_file.unwrap_or(RAPID_MODULE_MOVES);
             let main = format!("{name}.mod");
             let options = RapidOptions { name, moves_per_module, ..RapidOptions::of_workcell(equipment) };
-            Ok(TargetProgram { main, moves: write_rapid(steps, &options, open)?.moves })
+            let moves = write_rapid(steps, &options, open)?.moves;
+            Ok(TargetProgram { main, moves, speeds_clamped: 0 })
         }
     }
 }

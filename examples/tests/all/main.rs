@@ -36,5 +36,6 @@ mod settings;
 mod shapes;
 mod stewart_table;
 mod stl_written;
+mod stream_print;
 mod viewer;
 mod volume_decomposition;

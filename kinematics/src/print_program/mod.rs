@@ -12,6 +12,7 @@
 //! programs come from a workcell ([`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell)), and joints become targets.
 
 mod blended;
+mod dropped;
 mod knot;
 mod lag;
 mod merge;
@@ -21,6 +22,7 @@ mod stream;
 mod targets;
 
 pub use blended::{BlendOptions, BlendedSegment, print_blended};
+pub use dropped::PrintSteps;
 pub use knot::{PrintKnot, TargetOptions};
 pub use pieces::{PrintPiece, print_pieces};
 pub use stream::{StreamOptions, StreamSegment, print_stream};

@@ -68,14 +68,15 @@ impl TpOptions {
 
 impl BlendOptions {
     /// What the controller of a workcell is programmed with: the acceleration of its joints, if the workcell limits it, at which moves by joints take the time that was
-    /// planned.
+    /// planned. Signals come earlier by the lag of its extruder.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let options = UrScriptOptions::of_workcell(equipment);
         let limits = equipment.arm().limits().acceleration;
         let least = limits.into_iter().fold(f64::INFINITY, f64::min);
         let acceleration_rad_s2 = if least.is_finite() { least } else { options.acceleration_rad_s2 };
         let acceleration_mm_s2 = options.acceleration_mm_s2;
-        BlendOptions { acceleration_mm_s2, acceleration_rad_s2, ..BlendOptions::default() }
+        let lag_s = equipment.model().controller.extruder_lag_s;
+        BlendOptions { acceleration_mm_s2, acceleration_rad_s2, lag_s, ..BlendOptions::default() }
     }
 }
 

@@ -1,10 +1,13 @@
 //! A print as targets on the part.
 
+use super::dropped::{PrintSteps, count};
 use super::knot::{PrintKnot, TargetOptions};
 use super::merge::merged;
 use super::stream::by_joints;
 use crate::program::{ExternalAxes, Goal, Move, Speed, Step, TimedSignal, Zone};
 use crate::workcell::{ControllerPose, Workcell};
+use std::cell::Cell;
+use std::rc::Rc;
 
 /// A motion that prints, and the postures on the way from its end to the next motion.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +28,7 @@ pub struct TargetMotion<const N: usize> {
 /// Along a motion of a tape head the extruder stays off; each signal comes at the first knot at or after its time, where the arm stops, so that a cut
 /// is where it was planned. Such motions are not merged.
 /// A motion without knots gives no steps but those of its way on. A posture with a table beyond its limits
-/// ([`Workcell::controller_pose`]) is left out with the moves that begin or end there.
+/// ([`Workcell::controller_pose`]) is left out with the moves that begin or end there, which are counted ([`PrintSteps::dropped`]).
 ///
 /// For an arm without a table these steps are a URScript of `movel` or `movep` as well
 /// ([`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell)); with [`TargetOptions::merge_mm`] straight
@@ -57,14 +60,31 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     workcell: &W,
     motions: impl IntoIterator<Item = TargetMotion<N>>,
     options: TargetOptions,
+) -> PrintSteps<impl Iterator<Item = Step>> {
+    PrintSteps::new(|dropped| steps(workcell, motions, options, dropped))
+}
+
+fn steps<const N: usize, const F: usize, W: Workcell<N, F>>(
+    workcell: &W,
+    motions: impl IntoIterator<Item = TargetMotion<N>>,
+    options: TargetOptions,
+    dropped: Rc<Cell<u64>>,
 ) -> impl Iterator<Item = Step> {
     let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s, .. } = options;
+    let counter = dropped.clone();
     let joints_move = move |joints: &[f64; N]| {
-        let place = workcell.controller_pose(joints)?;
-        Some(by_joints(place.joints, external(&place)))
+        let place = workcell.controller_pose(joints);
+        if place.is_none() {
+            count(&counter);
+        }
+        place.map(|place| by_joints(place.joints, external(&place)))
     };
     let line = move |[a, b]: [&PrintKnot<N>; 2], zone: Zone| {
-        let (from, to) = (workcell.controller_pose(&a.joints)?, workcell.controller_pose(&b.joints)?);
+        let (from, to) = (workcell.controller_pose(&a.joints), workcell.controller_pose(&b.joints));
+        let (Some(from), Some(to)) = (from, to) else {
+            count(&dropped);
+            return None;
+        };
         let step = b.time_s - a.time_s;
         let mm_s = (to.target.pose.translation.vector - from.target.pose.translation.vector).norm() / step;
         let turn = from.target.pose.rotation.angle_to(&to.target.pose.rotation) / step;
@@ -76,13 +96,14 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
     motions.into_iter().flat_map(move |TargetMotion { knots, onward, head }| {
         if let Some(signals) = head {
             let mut steps = along_tape(&knots, signals, &joints_move, &line, corner_mm);
-            steps.extend(onward.iter().filter_map(joints_move));
+            steps.extend(onward.iter().filter_map(&joints_move));
             return steps;
         }
         let knots = if options.merge_mm > 0.0 { merged(workcell, &knots, &options) } else { knots };
         let last = knots.len().saturating_sub(2);
         let zone = |k: usize| if k == last { Zone::Stop } else { Zone::Blend(corner_mm) };
-        let along = knots.windows(2).enumerate().filter_map(|(k, pair)| line([&pair[0], &pair[1]], zone(k)));
+        let line = &line;
+        let along = knots.windows(2).enumerate().filter_map(move |(k, pair)| line([&pair[0], &pair[1]], zone(k)));
         let mut steps = Vec::with_capacity(2 * knots.len() + onward.len() + 3);
         if let Some(first) = knots.first() {
             steps.extend(joints_move(&first.joints));
@@ -98,7 +119,7 @@ pub fn print_targets<const N: usize, const F: usize, W: Workcell<N, F>>(
             }
             steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
         }
-        steps.extend(onward.iter().filter_map(joints_move));
+        steps.extend(onward.iter().filter_map(&joints_move));
         steps
     })
 }

@@ -23,7 +23,7 @@
 //!
 //! [`DomeRig`] is Brooks' own conversion from a point on a dome to a robtarget; [`print_on_dome`] makes the steps of a print on
 //! one, and [`choose_turns`] keeps an axis within its turns. [`ExtruderCommand`] is a line of his extruder's serial
-//! protocol; [`link`] streams a program to a controller while it runs.
+//! protocol; [`link`] streams a program to a controller of ABB while it runs, [`ur_stream`] to one of Universal Robots.
 //!
 //! [`HeadSignal`]s switch a tape head, by digital outputs with names.
 //!
@@ -37,7 +37,7 @@
 //!
 //! Workcells are not known here. The rooms, from below: `step` (steps, what makes them), `check` (steps judged before they are written,
 //! seconds of a program), `text` (numbers, words and names in files), the formats `csv`, `rapid`, `urscript`, `krl` and `tp`, and beside them `dome`
-//! (programs of drawings). [`link`] streams steps. No format knows another one.
+//! (programs of drawings). [`link`] streams steps, and so does [`ur_stream`], a room of `urscript`. No format knows another one.
 
 mod check;
 mod csv;
@@ -71,6 +71,7 @@ pub use step::{
 pub use text::tokens::ReadError;
 pub use tp::{TpOptions, TpProgram, TpWritten, read_tp, write_tp};
 pub(crate) use urscript::SPEED_FACTORS;
+pub use urscript::stream as ur_stream;
 pub use urscript::{
     FILAMENT_FULL_SCALE_MM_S, Straight, UrExtruder, UrScriptOptions, UrScriptReader, UrScriptWritten, write_urscript,
 };

@@ -35,6 +35,7 @@ mod setup;
 mod stewart;
 mod track;
 mod ur_calibration;
+mod ur_stream;
 #[cfg(feature = "urdf")]
 mod urdf;
 mod workcell;

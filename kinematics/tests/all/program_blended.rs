@@ -3,7 +3,9 @@
 
 use crate::common::cells::{ur3, ur10};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use curvlay_kinematics::print_program::{BlendOptions, BlendedSegment, PrintKnot, print_blended};
+use curvlay_kinematics::print_program::{
+    BlendOptions, BlendedSegment, PrintKnot, TargetMotion, TargetOptions, print_blended, print_targets,
+};
 use curvlay_kinematics::program::{Goal, Move, Step, Straight, UrScriptOptions, UrScriptReader, Zone, write_urscript};
 use curvlay_kinematics::workcell::{SixAxisWorkcell, Workcell};
 use proptest::prelude::*;
@@ -320,4 +322,114 @@ fn nothing_comes_of_nothing() {
     let wrong = BlendedSegment { samples: vec![knot; 5], prints: true };
     let steps: Vec<Step> = print_blended(&cell, [wrong], BlendOptions::default()).collect();
     assert!(write_urscript(steps, &UrScriptOptions::default(), Vec::new()).is_err());
+}
+
+/// A travel down to a path of 2 s, 4 mm of filament each second but for a pause, and the travel off.
+fn down_along_off() -> [BlendedSegment<6>; 3] {
+    let laid = |time_s: f64| 4.0 * (time_s.min(0.8) + (time_s - 1.2).max(0.0));
+    let knots = |from: f64, seconds: f64, laid: &dyn Fn(f64) -> f64| {
+        let count = (100.0 * seconds) as u32;
+        (0..=count)
+            .map(|k| {
+                let time_s = f64::from(k) * 0.01;
+                PrintKnot {
+                    time_s,
+                    joints: [0.1 * (from + time_s), -1.2, -1.5, 0.2, 1.2, 0.0],
+                    filament_mm: laid(time_s),
+                }
+            })
+            .collect()
+    };
+    let none = |_: f64| 0.0;
+    [
+        BlendedSegment { samples: knots(-1.0, 1.0, &none), prints: false },
+        BlendedSegment { samples: knots(0.0, 2.0, &laid), prints: true },
+        BlendedSegment { samples: knots(2.0, 1.0, &none), prints: false },
+    ]
+}
+
+/// The signals of steps with the times at which the plan has the places where they come, and the joint of the first axis there.
+fn signals(cell: &SixAxisWorkcell, steps: &[Step]) -> Vec<(f64, Step)> {
+    // The first joint turns by 0.1 rad a second; the path begins at 0.
+    let pose = |time_s: f64| cell.controller_pose(&[0.1 * time_s, -1.2, -1.5, 0.2, 1.2, 0.0]).unwrap().target.pose;
+    let near = |at: &Isometry3<f64>| {
+        let off = |k: &i32| (pose(f64::from(*k) * 0.01).translation.vector - at.translation.vector).norm();
+        f64::from((-100..=300).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()) * 0.01
+    };
+    let mut now = -1.0;
+    let mut found = Vec::new();
+    for step in steps {
+        match step {
+            Step::Move(Move { goal: Goal::Joints(joints), .. }) => now = 10.0 * joints[0],
+            Step::Move(Move { goal: Goal::Line(target), .. }) => now = near(&target.pose),
+            signal => found.push((now, *signal)),
+        }
+    }
+    found
+}
+
+/// Bug: moves with blends gave signals when what they ask for is due; the extruder was behind by its lag. Now the extruder starts as much before the path,
+/// while the tool comes down, and the speed of the filament changes as much before the bead does; the filament is that of the plan.
+#[test]
+fn signals_come_earlier_by_the_lag() {
+    let cell = ur10();
+    for lag_s in [0.0, 0.1, 0.25] {
+        let options = BlendOptions { lag_s, ..BlendOptions::default() };
+        let mut steps = print_blended(&cell, down_along_off(), options);
+        let all: Vec<Step> = steps.by_ref().collect();
+        assert_eq!(steps.dropped(), 0);
+        let script = UrScriptOptions { straight: Straight::MoveP, ..UrScriptOptions::of_workcell(cell.equipment()) };
+        write_urscript(all.iter().copied(), &script, Vec::new()).unwrap();
+        let found = signals(&cell, &all);
+        let at = |wanted: &dyn Fn(&Step) -> bool| found.iter().find(|(_, step)| wanted(step)).unwrap().0;
+        let on = at(&|step| *step == Step::Extruder(true));
+        assert!((on + lag_s).abs() < 1e-6, "{on} {lag_s}");
+        // It is switched off at rest, at the end; nothing flows any more from the lag before it on.
+        assert!((at(&|step| *step == Step::Extruder(false)) - 2.0).abs() < 1e-6);
+        // Speeds of the filament, from when each holds: the pause of the bead is from 0.8 to 1.2 s.
+        let speeds: Vec<(f64, f64)> = found
+            .iter()
+            .filter_map(|(time, step)| if let Step::FilamentSpeed(mm_s) = step { Some((*time, *mm_s)) } else { None })
+            .collect();
+        let fed = |time: f64| speeds.iter().rev().find(|(from, _)| *from <= time + 1e-9).unwrap().1;
+        for (time, flows) in [(0.5, true), (0.8, false), (1.0, false), (1.2, true), (1.9, true)] {
+            let early = time - lag_s;
+            assert_eq!(fed(early + 0.03) > 0.1, flows, "{time} {lag_s} {speeds:?}");
+        }
+        if lag_s > 0.0 {
+            assert!(fed(2.0 - lag_s + 0.03) < 0.01 && fed(1.99) >= 0.0, "{speeds:?}");
+        }
+        // All of it, over time: each speed holds until the next one.
+        let laid: f64 = speeds.windows(2).map(|pair| pair[0].1 * (pair[1].0 - pair[0].0)).sum();
+        // Ramps of moves that begin and end at rest are faster in between.
+        assert!((laid / 6.4 - 1.0).abs() < 0.05, "{laid} {lag_s}");
+    }
+}
+
+/// Bug: a segment with a posture that has no pose was left out without a word.
+#[test]
+fn what_has_no_pose_is_counted() {
+    let cell = crate::common::cells::over_table();
+    let at = |tilt: f64, time_s: f64| PrintKnot {
+        time_s,
+        joints: [0.0, 0.0, 0.0, 0.0, 0.5, 0.0, tilt, 0.0],
+        filament_mm: time_s,
+    };
+    let good = || BlendedSegment {
+        samples: (0..=10).map(|k| at(0.01 * f64::from(k), 0.1 * f64::from(k))).collect(),
+        prints: true,
+    };
+    let bad = BlendedSegment { samples: vec![at(0.0, 0.0), at(9.0, 1.0)], prints: true };
+    let mut steps = print_blended(&cell, [good(), bad, good()], BlendOptions::default());
+    assert!(steps.by_ref().count() > 6);
+    assert_eq!(steps.dropped(), 1);
+    let motion = TargetMotion {
+        knots: vec![at(0.0, 0.0), at(0.1, 1.0), at(9.0, 2.0)],
+        onward: vec![at(9.0, 0.0).joints],
+        head: None,
+    };
+    let mut steps = print_targets(&cell, [motion], TargetOptions { merge_mm: 0.0, ..TargetOptions::default() });
+    let lines = steps.by_ref().filter(|step| matches!(step, Step::Move(Move { goal: Goal::Line(_), .. }))).count();
+    // A line, and the way on.
+    assert_eq!((lines, steps.dropped()), (1, 2));
 }

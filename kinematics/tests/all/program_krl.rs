@@ -392,3 +392,18 @@ fn errors_name_the_place() {
     let error = read(&missing, "A").unwrap().find_map(Result::err).unwrap().to_string();
     assert!(error.contains("`A_002.src`"), "{error}");
 }
+
+/// Bug: moves by joints beyond 1 to 100 percent, and turning faster than 400 degrees a second, got another speed without a word.
+#[test]
+fn speeds_that_the_controller_does_not_take_are_counted() {
+    let options = KrlOptions::default();
+    let target = Target { pose: Isometry3::translation(600.0, 0.0, 300.5), conf: ConfData::default() };
+    let joints = |share: f64| (Goal::Joints([0.1; 6]), Speed { mm_s: 10.0, rad_s: share * options.axis_rad_s });
+    let good = [(Goal::Line(target), Speed { mm_s: 10.0, rad_s: 1.0 }), joints(1.0), joints(0.01), joints(0.5)];
+    let bad = [(Goal::Line(target), Speed { mm_s: 10.0, rad_s: 20.0 }), joints(1.02), joints(0.004)];
+    for (moves, count) in [(&good[..], 0), (&bad[..], 3)] {
+        let to = |&(goal, speed)| Step::Move(Move { goal, table: None, speed, zone: Zone::Stop });
+        let steps: Vec<Step> = moves.iter().map(to).collect();
+        assert_eq!(to_krl(&steps, &options).unwrap().1.speeds_clamped, count, "{moves:?}");
+    }
+}

@@ -7,7 +7,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 74] = [
+    let cases: [(&[&str], i32, &str); 78] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -21,6 +21,10 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--strategy", "wild"], 2, "--strategy"),
         (&["--voxels", "9", "--cell", "1"], 2, "--cell"),
         (&["--program-steps", "0"], 2, "--program-steps"),
+        (&["--ur-extruder", "serial"], 2, "--ur-extruder"),
+        (&["--ur-extruder", "modbus:192.168.1.9,255,16,128"], 2, "modbus:IP,UNIT,COIL,REGISTER,STEP"),
+        (&["--ur-extruder", "modbus:192.168.1.9,256,16,128,0.001"], 2, "UNIT is `256`"),
+        (&["--ur-extruder", "socket:192.168.1.9:0,12"], 2, "PORT must be"),
         (&["--acceleration", "0"], 2, "--acceleration"),
         (&["--jerk", "nan"], 2, "--jerk"),
         (&["--jerk", "-1"], 2, "--jerk"),

@@ -13,6 +13,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 pub(super) struct Sample {
     pub time_s: f64,
     pub filament_mm: f64,
+    /// Filament that signals have to have asked for by then: with a lag more than what is laid.
+    pub due_mm: f64,
     /// The tool on the part.
     pub target: Target,
     /// What the controller interpolates: the same, or the part on the tool where the part is in the hand.
@@ -37,7 +39,8 @@ pub(super) fn sampled<const N: usize, const F: usize, W: Workcell<N, F>>(
         let [way_mm, tip_way_mm] = samples.last().map_or([0.0; 2], |last| {
             [last.way_mm + far(&last.tcp, &tcp), last.tip_way_mm + far(&last.target.pose, &target.pose)]
         });
-        samples.push(Sample { time_s: knot.time_s, filament_mm: knot.filament_mm, target, tcp, way_mm, tip_way_mm });
+        let PrintKnot { time_s, filament_mm, .. } = *knot;
+        samples.push(Sample { time_s, filament_mm, due_mm: filament_mm, target, tcp, way_mm, tip_way_mm });
     }
     Some(samples)
 }
@@ -90,11 +93,11 @@ fn is_steady(samples: &[Sample], options: &BlendOptions) -> bool {
     let [first, last] = [&samples[0], &samples[samples.len() - 1]];
     let seconds = last.time_s - first.time_s;
     let speed = (last.way_mm - first.way_mm) / seconds;
-    let bead = ratio(last.filament_mm - first.filament_mm, last.tip_way_mm - first.tip_way_mm);
+    let bead = ratio(last.due_mm - first.due_mm, last.tip_way_mm - first.tip_way_mm);
     samples.windows(2).all(|pair| {
         let step = pair[1].time_s - pair[0].time_s;
         let here = (pair[1].way_mm - pair[0].way_mm) / step;
-        let laid = ratio(pair[1].filament_mm - pair[0].filament_mm, pair[1].tip_way_mm - pair[0].tip_way_mm);
+        let laid = ratio(pair[1].due_mm - pair[0].due_mm, pair[1].tip_way_mm - pair[0].tip_way_mm);
         (here - speed).abs() <= options.speed_share * speed && (laid - bead).abs() <= options.bead_share * bead
     })
 }

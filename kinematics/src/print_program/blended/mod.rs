@@ -12,6 +12,7 @@
 //! slow down. The speed of the filament is that which lays the plan's bead at the speed of the move.
 
 mod cruise;
+mod lag;
 mod lines;
 mod options;
 mod span;

@@ -37,6 +37,8 @@ pub struct BlendOptions {
     pub min_speed_mm_s: f64,
     /// Speed of a joint that is written at least, in rad/s. Default 0.001.
     pub min_speed_rad_s: f64,
+    /// How much earlier signals come than what they ask for, in seconds, 0 to 0.5: the extruder takes as long. Default 0.
+    pub lag_s: f64,
     /// The speed of the filament is written again where it changes by more than this share. Default 0.002, as in a stream: what is off may add up over a print.
     pub same_speed: f64,
 }
@@ -54,6 +56,7 @@ impl Default for BlendOptions {
             acceleration_rad_s2: 1.4,
             min_speed_mm_s: 0.01,
             min_speed_rad_s: 1e-3,
+            lag_s: 0.0,
             same_speed: 2e-3,
         }
     }

@@ -1,20 +1,28 @@
 //! The steps of a print as moves with blends.
 
 use super::cruise::cruise;
+use super::lag;
 use super::lines::{self, Sample, chord, part_in_hand, sampled};
 use super::options::{BlendOptions, BlendedSegment};
 use super::span::spans;
 use super::ways;
 use crate::print_program::PrintKnot;
+use crate::print_program::dropped::{PrintSteps, count};
 use crate::print_program::stream::by_joints;
 use crate::print_program::targets::external;
 use crate::program::{Goal, Move, SPEED_FACTORS, Speed, Step, Zone};
 use crate::workcell::Workcell;
+use std::cell::Cell;
 
 /// The steps of a print as few moves with blends: by joints to the first sample, then each segment from rest to rest.
 ///
 /// A segment that prints is lines with the extruder on and the speed of the filament of the plan's bead; all others are moves by joints. Where the path
-/// turns back, and where the filament starts or stops within a segment, the tool stops. A segment of less than two samples, or with a posture beyond the limits of a table, gives no step.
+/// turns back, and where the filament starts or stops within a segment, the tool stops. A segment of less than two samples gives no step; one with a posture beyond
+/// the limits of a table gives none either and is counted ([`PrintSteps::dropped`]).
+///
+/// With [`BlendOptions::lag_s`] the speed of the filament is that of the plan so much later, and the extruder is switched on as much before the end of the travel that
+/// leads to a segment, where the tool stops. A segment that takes less than twice as long has half of its time instead. Behind what is still to be asked for the
+/// filament is as good as at rest, and the extruder is switched off at the end, as a signal to stop comes at rest only.
 ///
 /// For an arm without a table these steps are a URScript of `movep` and `movej`
 /// ([`Straight::MoveP`](crate::program::Straight::MoveP), [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell)).
@@ -46,23 +54,66 @@ pub fn print_blended<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     workcell: &'a W,
     segments: impl IntoIterator<Item = BlendedSegment<N>> + 'a,
     options: BlendOptions,
-) -> impl Iterator<Item = Step> + 'a {
-    let mut has_begun = false;
-    segments.into_iter().flat_map(move |segment| {
-        let Some(samples) = sampled(workcell, &segment.samples).filter(|samples| samples.len() > 1) else {
-            return Vec::new();
-        };
-        let mut steps = Vec::new();
-        if !std::mem::replace(&mut has_begun, true) {
-            let first = workcell.controller_pose(&segment.samples[0].joints);
-            steps.extend(first.map(|place| by_joints(place.joints, external(&place))));
-        }
-        match segment.prints {
-            true => along(&samples, part_in_hand(workcell), &options, &mut steps),
-            false => travel(workcell, &segment.samples, &samples, &options, &mut steps),
-        }
-        steps
+) -> PrintSteps<impl Iterator<Item = Step> + 'a> {
+    PrintSteps::new(|dropped| {
+        let (mut segments, mut state) = (segments.into_iter().peekable(), State::default());
+        std::iter::from_fn(move || {
+            let segment = segments.next()?;
+            let next = segments.peek().filter(|next| next.prints && !segment.prints);
+            Some(steps_of(workcell, &segment, next, &options, (&mut state, &dropped)))
+        })
+        .flatten()
     })
+}
+
+/// What the segments before have left.
+#[derive(Default)]
+struct State {
+    has_begun: bool,
+    /// Whether the extruder was switched on for the segment that follows.
+    is_on: bool,
+}
+
+/// The steps of a segment, and the signals of the next one that come before its end.
+fn steps_of<const N: usize, const F: usize, W: Workcell<N, F>>(
+    workcell: &W,
+    segment: &BlendedSegment<N>,
+    next: Option<&BlendedSegment<N>>,
+    options: &BlendOptions,
+    (state, dropped): (&mut State, &Cell<u64>),
+) -> Vec<Step> {
+    if segment.samples.len() < 2 {
+        return Vec::new();
+    }
+    let Some(mut samples) = sampled(workcell, &segment.samples) else {
+        count(dropped);
+        return Vec::new();
+    };
+    let mut steps = Vec::new();
+    if !std::mem::replace(&mut state.has_begun, true) {
+        let first = workcell.controller_pose(&segment.samples[0].joints);
+        steps.extend(first.map(|place| by_joints(place.joints, external(&place))));
+    }
+    if segment.prints {
+        let lag_s = lag::of(&segment.samples, options);
+        lag::advance(&mut samples, lag_s);
+        let is_on = std::mem::take(&mut state.is_on);
+        along(&samples, (part_in_hand(workcell), is_on), options, &mut steps);
+        return steps;
+    }
+    let knots = &segment.samples;
+    // A segment that has no pose gives no steps: no signals for it either.
+    let next = next.filter(|next| options.lag_s > 0.0 && sampled(workcell, &next.samples).is_some());
+    match next.and_then(|next| lag::early(knots, &next.samples, options)) {
+        Some((cut, signals)) => {
+            travel(workcell, &knots[..=cut], &samples[..=cut], options, &mut steps);
+            steps.extend(signals);
+            state.is_on = true;
+            travel(workcell, &knots[cut..], &samples[cut..], options, &mut steps);
+        }
+        None => travel(workcell, knots, &samples, options, &mut steps),
+    }
+    steps
 }
 
 /// How many ends of a move are at rest: a move begins at rest where the one before stops.
@@ -77,15 +128,18 @@ fn zones(ends: &[usize], corner: impl Fn([usize; 3]) -> Zone) -> Vec<Zone> {
 }
 
 /// A segment that prints.
-fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut Vec<Step>) {
+fn along(samples: &[Sample], (in_hand, is_on): (bool, bool), options: &BlendOptions, steps: &mut Vec<Step>) {
     let ends = spans(samples.len(), |from, to| lines::fits(samples, in_hand, [from, to], options));
     let lays = |from: usize, to: usize| samples[to].filament_mm > samples[from].filament_mm;
+    let flows = |from: usize, to: usize| lays(from, to) || samples[to].due_mm > samples[from].due_mm;
     let zones = zones(&ends, |three| {
         // A signal that starts or stops the filament comes at rest.
         let [from, at, to] = three;
-        if lays(from, at) == lays(at, to) { lines::corner(samples, in_hand, three, options) } else { Zone::Stop }
+        if flows(from, at) == flows(at, to) { lines::corner(samples, in_hand, three, options) } else { Zone::Stop }
     });
-    steps.push(Step::Extruder(true));
+    if !is_on {
+        steps.push(Step::Extruder(true));
+    }
     let mut fed: Option<f64> = None;
     for (k, pair) in ends.windows(2).enumerate() {
         let (from, to) = (&samples[pair[0]], &samples[pair[1]]);
@@ -94,7 +148,9 @@ fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut 
         // A TCP that only turns is as slow as its tip.
         let speed_at = |way: f64| cruise(way, seconds, ramps(&zones, k), options.acceleration_mm_s2);
         let share = if way > 0.0 { speed_at(way) / way } else { 1.0 / seconds };
-        let filament = (to.filament_mm - from.filament_mm).max(0.0) * share;
+        let due = (to.due_mm - from.due_mm).max(0.0) * share;
+        // A blend takes no stop of the filament.
+        let filament = if lays(pair[0], pair[1]) { due.max(lag::MIN_FED_MM_S.min(options.lag_s)) } else { due };
         if fed.is_none_or(|fed| (filament - fed).abs() > options.same_speed * fed) {
             steps.push(Step::FilamentSpeed(filament));
             fed = Some(filament);

@@ -24,6 +24,9 @@ pub struct KrlWritten {
     pub moves: u64,
     /// Moves that were to be blended, but stop: moves by joints, the last one of a module or of a spline block.
     pub stops_added: u64,
+    /// Moves that are faster or slower than their step, since the controller takes no such speed: moves by joints from 1 to 100 percent of
+    /// [`KrlOptions::axis_rad_s`], turning from 0.1 to 400 degrees a second.
+    pub speeds_clamped: u64,
 }
 
 /// Text that is collected before it goes out.
@@ -80,6 +83,9 @@ pub fn write_krl<W: Write>(
             Some(current) => current,
             None => program.begin(&mut open)?,
         };
+        if let Step::Move(to) = &step {
+            program.written.speeds_clamped += u64::from(is_clamped(to, options));
+        }
         let ends = match step {
             Step::Move(Move { goal: Goal::Line(_), .. }) => ends_of_line(&mut steps, &mut checker)?,
             _ => Vec::new(),
@@ -401,6 +407,17 @@ fn status_turn(options: &KrlOptions, target: &Target) -> Option<(u8, u8)> {
     };
     Some(krl_status_turn(arm, &joints_of(arm, &root_flange, target)?))
 }
+
+/// Whether a move gets another speed than its step has.
+fn is_clamped(to: &Move, options: &KrlOptions) -> bool {
+    match to.goal {
+        Goal::Line(_) => !(MIN_TURN_DEG_S..=MAX_TURN_DEG_S).contains(&to.speed.rad_s.to_degrees()),
+        Goal::JointMove(_) | Goal::Joints(_) => !PERCENT.contains(&(100.0 * to.speed.rad_s / options.axis_rad_s)),
+    }
+}
+
+/// Percentages that round to 1 to 100.
+const PERCENT: std::ops::Range<f64> = 0.5..100.5;
 
 fn is_same(a: Speed, b: Speed) -> bool {
     a.mm_s.to_bits() == b.mm_s.to_bits() && a.rad_s.to_bits() == b.rad_s.to_bits()

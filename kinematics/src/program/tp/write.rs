@@ -21,6 +21,9 @@ pub struct TpWritten {
     pub moves: u64,
     /// Moves that were to be blended, but stop, as a program ends there.
     pub stops_added: u64,
+    /// Moves that are faster or slower than their step, since the controller takes no such speed: moves by joints from 1 to 100 percent of
+    /// [`TpOptions::axis_rad_s`], lines from the least speed of [`TpOptions::speed_decimals`].
+    pub speeds_clamped: u64,
 }
 
 /// Writes a program: `open` is called with the file name of each part and at last with that of the main, `NAME.ls`, and gives the place to write it to.
@@ -72,6 +75,7 @@ pub fn write_tp<W: Write>(
         match step {
             Step::Move(mut to) => {
                 written.moves += 1;
+                written.speeds_clamped += u64::from(is_clamped(&to, options));
                 let is_last = current.moves + 1 >= most || steps.peek().is_none();
                 if is_last && to.zone != Zone::Stop {
                     to.zone = Zone::Stop;
@@ -180,7 +184,7 @@ impl Part {
             Goal::Line(_) => {
                 // A speed of 0 is none: the least that can be written.
                 let decimals = usize::from(options.speed_decimals);
-                let mm_s = to.speed.mm_s.max(10f64.powi(-i32::from(options.speed_decimals)));
+                let mm_s = to.speed.mm_s.max(min_mm_s(options));
                 text.word("L P[").fixed(number, 0).word("] ").fixed(mm_s, decimals).word("mm/sec ");
             }
             Goal::JointMove(_) | Goal::Joints(_) => {
@@ -210,6 +214,22 @@ impl Part {
         write_file(&name, &self, open)
     }
 }
+
+/// The least speed of a line that can be written, in mm/s.
+fn min_mm_s(options: &TpOptions) -> f64 {
+    10f64.powi(-i32::from(options.speed_decimals))
+}
+
+/// Whether a move gets another speed than its step has, but for rounding.
+fn is_clamped(to: &Move, options: &TpOptions) -> bool {
+    match to.goal {
+        Goal::Line(_) => to.speed.mm_s < min_mm_s(options),
+        Goal::JointMove(_) | Goal::Joints(_) => !PERCENT.contains(&(100.0 * to.speed.rad_s / options.axis_rad_s)),
+    }
+}
+
+/// Percentages that round to 1 to 100.
+const PERCENT: std::ops::Range<f64> = 0.5..100.5;
 
 fn part_name(options: &TpOptions, number: u32) -> String {
     format!("{}_{number:03}", options.name)

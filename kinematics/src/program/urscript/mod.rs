@@ -5,6 +5,7 @@
 mod extruder;
 mod read;
 mod signals;
+pub mod stream;
 mod write;
 
 pub use extruder::UrExtruder;

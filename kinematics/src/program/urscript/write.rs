@@ -110,7 +110,7 @@ pub fn write_urscript(
 }
 
 /// Joints within both limits.
-fn tighten(limits: &mut ProgramLimits, other: &ProgramLimits) {
+pub(super) fn tighten(limits: &mut ProgramLimits, other: &ProgramLimits) {
     let (joints, other) = (&mut limits.joints, &other.joints);
     for joint in 0..6 {
         joints.lower[joint] = joints.lower[joint].max(other.lower[joint]);
@@ -396,7 +396,7 @@ fn written_pose(options: &UrScriptOptions, pose: &Isometry3<f64>) -> Isometry3<f
     if options.part_in_hand { pose.inverse() } else { *pose }
 }
 
-fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
+pub(super) fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
     check_name(Language::UrScript, "name", &options.name, 64)?;
     check_remark("remark", options.remark.as_deref())?;
     options.extruder.check()?;
@@ -458,7 +458,7 @@ fn check_options(options: &UrScriptOptions) -> Result<(), WriteError> {
 }
 
 /// With a point, also where the number is whole.
-fn write_full_scale(text: &mut Text, mm_s: f64) {
+pub(super) fn write_full_scale(text: &mut Text, mm_s: f64) {
     text.word("  ").word(FULL_SCALE).word("=");
     let from = text.0.len();
     text.fixed(mm_s, DECIMALS);
@@ -467,7 +467,7 @@ fn write_full_scale(text: &mut Text, mm_s: f64) {
 }
 
 /// `p[x,y,z,rx,ry,rz]`
-fn write_pose(text: &mut Text, pose: &Isometry3<f64>) {
+pub(super) fn write_pose(text: &mut Text, pose: &Isometry3<f64>) {
     let (at, turn) = (pose.translation.vector / MM_PER_M, pose.rotation.scaled_axis());
     text.word("p").list(&[at.x, at.y, at.z, turn.x, turn.y, turn.z], DECIMALS);
 }

@@ -1,6 +1,6 @@
 //! Workcells of the examples.
 
-use curvlay_kinematics::workcell::{AnyWorkcell, SixAxisWorkcell};
+use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisWorkcell, SixAxisWorkcell};
 
 fn six(file: &str) -> SixAxisWorkcell {
     match AnyWorkcell::from_json(file.as_bytes()).unwrap() {
@@ -17,4 +17,12 @@ pub fn ur3() -> SixAxisWorkcell {
 /// A UR10 that holds the nozzle.
 pub fn ur10() -> SixAxisWorkcell {
     six(include_str!("../../../../examples/cells/ur10.json"))
+}
+
+/// An IRB 1200 over a table that tilts and turns.
+pub fn over_table() -> EightAxisWorkcell {
+    match AnyWorkcell::from_json(include_bytes!("../../../../examples/cells/irb1200-table.json").as_slice()).unwrap() {
+        AnyWorkcell::Eight(cell) => cell,
+        AnyWorkcell::Six(_) => panic!("no table"),
+    }
 }

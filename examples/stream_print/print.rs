@@ -1,0 +1,179 @@
+//! A planned print: its programs, as steps one after the other, and where a tick of it is.
+
+use curvlay_examples::args::Failure;
+use curvlay_examples::input::{self, MAX_SETTINGS_BYTES};
+use curvlay_examples::output::is_numbered;
+use curvlay_kinematics::program::ur_stream::{UrStreamError, UrStreamJob, UrStreamOptions, UrTick, UrTicks};
+use curvlay_kinematics::program::{ServoRate, Step, UrScriptOptions, UrScriptReader};
+use std::cell::{Cell, RefCell};
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// The programs of a print, in their order.
+#[derive(Clone, Debug)]
+pub struct Print {
+    /// Where they are.
+    pub files: Vec<PathBuf>,
+    /// Frames and payload of the first one.
+    pub script: UrScriptOptions,
+    /// Of their streams.
+    pub rate: ServoRate,
+}
+
+/// What a pass through the ticks has found.
+#[derive(Clone, Debug)]
+pub struct Counted {
+    /// Number and ticks of the print.
+    pub job: UrStreamJob,
+    /// The last tick of each program.
+    pub ends: Vec<u32>,
+    /// The first and the last posture.
+    pub first: [f64; 6],
+    /// The fastest filament, in mm/s.
+    pub filament_mm_s: f64,
+}
+
+/// The largest list of programs, in bytes.
+const MAX_LIST_BYTES: u64 = MAX_SETTINGS_BYTES;
+
+impl Print {
+    /// Finds the programs of a folder: those of its `programs.csv`, else all `print_NNN.script`.
+    pub fn open(folder: &Path) -> Result<Self, Failure> {
+        let files = listed(folder)?;
+        let Some(first) = files.first() else {
+            return Err(Failure::new(format!(
+                "{}: no print_001.script; plan the print with `curved_layers --stage motion --program urscript`",
+                folder.display()
+            )));
+        };
+        let refused = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", first.display()));
+        let open = || -> Result<_, Failure> {
+            let file = File::open(first).map_err(|error| refused(&error))?;
+            UrScriptReader::new(BufReader::new(file)).map_err(|error| refused(&error))
+        };
+        let reader = open()?;
+        let script = UrScriptOptions {
+            part_in_hand: reader.part_in_hand(),
+            work: *reader.work(),
+            tool: *reader.tool(),
+            payload: reader.payload().copied(),
+            ..UrScriptOptions::default()
+        };
+        let mut seconds = None;
+        for step in open()? {
+            if let Step::Servo { seconds: found, .. } = step.map_err(|error| refused(&error))? {
+                seconds = Some(found);
+                break;
+            }
+        }
+        let rates = [ServoRate::Hz125, ServoRate::Hz500];
+        let rate = seconds.and_then(|found| rates.into_iter().find(|rate| (rate.seconds() - found).abs() < 1e-9));
+        let rate = rate.ok_or_else(|| {
+            refused(&"it has no `servoj` at 125 or 500 Hz: plan with --program urscript, not urscript-movep")
+        })?;
+        Ok(Print { files, script, rate })
+    }
+
+    /// The steps of all programs.
+    pub fn steps(&self) -> Steps {
+        Steps { files: self.files.clone(), reader: None, at: Rc::default(), failed: Rc::default() }
+    }
+
+    /// Reads all programs once: counts ticks, and finds what cannot be streamed.
+    pub fn count(&self, options: &UrStreamOptions) -> Result<Counted, Failure> {
+        let steps = self.steps();
+        let (at, failed) = (steps.at.clone(), steps.failed.clone());
+        let mut ends = vec![0; self.files.len()];
+        let mut counted = 0;
+        let (mut first, mut filament_mm_s) = (None, 0.0f64);
+        let ticks = UrTicks::new(steps, options).inspect(|tick| {
+            if let Ok(tick) = tick {
+                counted += 1;
+                ends[at.get().saturating_sub(1)] = counted;
+                first = first.or(Some(tick.joints));
+                filament_mm_s = filament_mm_s.max(tick.filament_mm_s.unwrap_or(0.0));
+            }
+        });
+        let job = UrStreamJob::of(ticks);
+        if let Some(failure) = failed.borrow_mut().take() {
+            return Err(failure);
+        }
+        let job = job.map_err(|error| {
+            let file = &self.files[at.get().clamp(1, self.files.len()) - 1];
+            Failure::new(format!("{}: {error} (counted through all programs)", file.display()))
+        })?;
+        Ok(Counted { job, ends, first: first.unwrap_or_default(), filament_mm_s })
+    }
+
+    /// The ticks, for a sender; what fails is left in the cell.
+    pub fn ticks(
+        &self,
+        options: &UrStreamOptions,
+    ) -> (impl Iterator<Item = Result<UrTick, UrStreamError>> + use<>, Rc<RefCell<Option<Failure>>>) {
+        let steps = self.steps();
+        let failed = steps.failed.clone();
+        (UrTicks::new(steps, options), failed)
+    }
+}
+
+/// The programs of a folder.
+fn listed(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let list = folder.join("programs.csv");
+    let is_script = |name: &str| is_numbered(name, "print_", 3, ".script");
+    if list.is_file() {
+        let text = input::read_text(&list, MAX_LIST_BYTES)?;
+        let names = text.lines().skip(1).filter_map(|line| line.split(',').next()).filter(|name| is_script(name));
+        return Ok(names.map(|name| folder.join(name)).collect());
+    }
+    let entries = fs::read_dir(folder).map_err(|error| Failure::new(format!("{}: {error}", folder.display())))?;
+    let mut names: Vec<String> = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.retain(|name| is_script(name));
+    names.sort();
+    Ok(names.into_iter().map(|name| folder.join(name)).collect())
+}
+
+/// The steps of programs one after the other. Ends at the first error, which is left in a cell.
+pub struct Steps {
+    files: Vec<PathBuf>,
+    reader: Option<UrScriptReader<BufReader<File>>>,
+    /// Programs that were begun.
+    at: Rc<Cell<usize>>,
+    failed: Rc<RefCell<Option<Failure>>>,
+}
+
+impl Steps {
+    fn fail(&mut self, error: impl std::fmt::Display) {
+        let file = &self.files[self.at.get().saturating_sub(1)];
+        *self.failed.borrow_mut() = Some(Failure::new(format!("{}: {error}", file.display())));
+        self.at.set(self.files.len());
+        self.reader = None;
+    }
+}
+
+impl Iterator for Steps {
+    type Item = Step;
+
+    fn next(&mut self) -> Option<Step> {
+        loop {
+            match self.reader.as_mut().and_then(Iterator::next) {
+                Some(Ok(step)) => return Some(step),
+                Some(Err(error)) => {
+                    self.fail(error);
+                    return None;
+                }
+                None => {}
+            }
+            let path = self.files.get(self.at.get())?.clone();
+            self.at.set(self.at.get() + 1);
+            match File::open(&path) {
+                Ok(file) => match UrScriptReader::new(BufReader::new(file)) {
+                    Ok(reader) => self.reader = Some(reader),
+                    Err(error) => self.fail(error),
+                },
+                Err(error) => self.fail(error),
+            }
+        }
+    }
+}
