@@ -20,17 +20,21 @@
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
+mod legs;
+mod turned;
 mod turns;
 
 use super::built::{after, before};
 use super::deepest::{Contact, Scene, Stand};
 use super::gouge::Gouge;
 use super::options::GougingOptions;
+use super::sweep::Ball;
 use super::tilt::Points;
 use crate::layer::DirectionHints;
 use crate::orientation::{TURN_ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
+use turned::Turned;
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
@@ -46,9 +50,6 @@ const INSERTIONS: usize = 3;
 /// Where legs are looked at in step 6, the middle first, and how often.
 const LOOKS: [f64; 7] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875];
 const DIVISIONS: usize = 3;
-
-/// What is near a way is gathered with this much to spare, in millimetres and radians.
-const REACH_TO_SPARE: f64 = 1e-9;
 
 /// Rounds of step 4, and how far around a tilted waypoint it goes.
 const MEANS: usize = 6;
@@ -109,7 +110,10 @@ struct Walker<'a> {
     stack: Vec<(f64, u32)>,
     /// What searches for a tilt of one waypoint found, or on one leg.
     points: Points,
-    /// What is near a way.
+    /// What step 7 has turned.
+    turned: Turned,
+    /// What is near a stretch of the path, and near a leg.
+    around: Vec<Ball>,
     near: Vec<u32>,
 }
 
@@ -227,7 +231,17 @@ impl<'a> Walker<'a> {
         let before = before(&path.waypoints, start);
         let steps = path.waypoints.iter().zip(before).enumerate();
         let steps = steps.map(|(k, (&waypoint, before))| Step::new(waypoint, before, Some(k))).collect();
-        Walker { scene, options, hints, steps, stack: Vec::new(), points: Points::default(), near: Vec::new() }
+        Walker {
+            turned: Turned::default(),
+            scene,
+            options,
+            hints,
+            steps,
+            stack: Vec::new(),
+            points: Points::default(),
+            around: Vec::new(),
+            near: Vec::new(),
+        }
     }
 }
 
@@ -250,6 +264,7 @@ impl Walker<'_> {
 
     /// Step 1. The way to a waypoint and both its ends share one look, and a way that is free is not looked at again in step 6.
     fn tilt(&mut self) {
+        let mut stretch = 0..0;
         for k in 0..self.steps.len() {
             if self.steps[k].gouged {
                 continue;
@@ -261,7 +276,10 @@ impl Walker<'_> {
             // What is near the way is gathered once for its end and for what lies between.
             let is_free = if shares {
                 let [last, step] = [k - 1, k].map(|k| self.steps[k]);
-                self.gather(&last, &step, step.before);
+                if !stretch.contains(&k) {
+                    stretch = self.gather_around(k);
+                }
+                self.gather_of_stretch(&last, &step);
                 let is_free = self.scene.is_free_of(&self.near, self.stand(k), &direction);
                 if is_free && self.is_free_between(&last, &step) {
                     self.steps[k].looked = Some([last.waypoint.axis, direction]);
@@ -394,7 +412,7 @@ impl Walker<'_> {
         self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
         if let Some(direction) = free.filter(within) {
-            self.steps[k].waypoint.axis = direction;
+            self.turn_to(k, direction);
         }
     }
 
@@ -474,39 +492,6 @@ impl Walker<'_> {
             self.steps.push(step);
         }
         any
-    }
-
-    /// Whether nothing near is gouged where legs are looked at.
-    fn is_free_between(&self, last: &Step, step: &Step) -> bool {
-        if self.near.is_empty() && self.is_above_plate(last, step) {
-            return true;
-        }
-        LOOKS.iter().filter_map(|&share| part_way(&last.waypoint, &step.waypoint, share)).all(|waypoint| {
-            let stand = Stand { tip: waypoint.position, before: last.before, allowed: self.options.allowed_depth };
-            self.scene.is_free_of(&self.near, stand, &waypoint.axis)
-        })
-    }
-
-    fn is_above_plate(&self, last: &Step, step: &Step) -> bool {
-        let end = |step: &Step| {
-            let stand = Stand { tip: step.waypoint.position, before: step.before, allowed: self.options.allowed_depth };
-            (stand, step.waypoint.axis)
-        };
-        self.scene.above_plate_along([last, step].map(end))
-    }
-
-    /// What the nozzle may gouge from one waypoint to another, both included, with what has a key below `before`.
-    fn gather(&mut self, last: &Step, step: &Step, before: u32) {
-        self.near.clear();
-        let Some(middle) = part_way(&last.waypoint, &step.waypoint, 0.5) else { return };
-        let stand = Stand { tip: middle.position, before, allowed: self.options.allowed_depth };
-        // Half of both, and a little for rounding.
-        let moves = 0.5 * (step.waypoint.position - last.waypoint.position);
-        let along = moves.dot(&middle.axis).abs();
-        let across = (moves.norm_squared() - along * along).max(0.0).sqrt();
-        let moves = [along, across].map(|moves| moves + REACH_TO_SPARE);
-        let turns = 0.5 * angle(&last.waypoint.axis, &step.waypoint.axis) + REACH_TO_SPARE;
-        self.scene.near(stand, &middle.axis, moves, turns, &mut self.near);
     }
 
     /// Puts a waypoint that is free a share of the way from one to another, if the nozzle gouges there; whether it did.
