@@ -1,5 +1,6 @@
 //! The arguments, each declared once.
 
+use super::chosen::{GAIN, LOOKAHEAD_S};
 use super::controller::{ControllerModel, Follower, Maker, Profile};
 use clap::Parser;
 use curvlay_examples::args::{Common, above_zero, from_zero};
@@ -12,15 +13,21 @@ use std::path::PathBuf;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "replay")]
 pub struct Args {
-    /// Program files in the order in which they run (.script, .mod, .csv, .gcode, .ngc, .nc), or the folder of a run of curved_layers
+    /// Program files in the order in which they run (.script, .mod, .src, .ls, .csv, .gcode, .ngc, .nc), or the folder of a run of curved_layers: its robot
+    /// program, or with --machine its G-code
     #[arg(value_name = "PROGRAM", required = true)]
     pub program: Vec<PathBuf>,
-    /// Workcell of a robot (kinematics/docs/workcells.md) [default: the one of the run in the folder, else the shipped cell of that maker]
-    #[arg(long, value_name = "FILE")]
+    /// Workcell of a robot (kinematics/docs/workcells.md), a URDF, or the name of an arm [default: the one of the run in the folder, else the shipped cell of
+    /// that maker]
+    #[arg(long, value_name = "FILE|ARM")]
     pub workcell: Option<PathBuf>,
-    /// Five-axis printer, a JSON file (docs/formats/replay.md) [default: a table that tilts by B about y and turns by C about z]
+    /// Five-axis printer, a JSON file (docs/formats/machines.md) [default: a table that tilts by B about y and turns by C about z]
     #[arg(long, value_name = "FILE", conflicts_with = "workcell")]
     pub machine: Option<PathBuf>,
+    /// Flavour of G-code (toolpath/docs/flavours.md), its name or a JSON file; `plain` for G-code of none [default: the one of the --machine, as curved_layers
+    /// writes; without a machine plain]
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "workcell")]
+    pub flavour: Option<String>,
     /// Tool paths in the frame of the part: toolpath.gcode or toolpath.csv of curved_layers [default: toolpath.gcode beside the program, if it is there]
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
@@ -37,7 +44,7 @@ pub struct Args {
     #[arg(long = "planned-time", value_name = "S", value_parser = above_zero, allow_negative_numbers = true)]
     pub planned_s: Option<f64>,
     /// Diameter of the tip, half angle of the cone in degrees, height of the cone, diameter of the block, in millimetres [default: of the workcell, of
-    /// summary.json, else 1,45,8,20]
+    /// summary.json, else 0.8,45,8,20]
     #[arg(long, value_name = "TIP,DEG,CONE,BLOCK", value_parser = list::<4>)]
     pub nozzle: Option<[f64; 4]>,
     /// Diameter of the filament in millimetres [default: that of summary.json, else 1.75]
@@ -82,11 +89,11 @@ pub struct ControllerArgs {
     /// How an arm follows a stream of joints [default: second]
     #[arg(long, value_name = "ORDER")]
     pub follower: Option<Follower>,
-    /// Look-ahead time of servoj in seconds, by which the arm is behind its stream [default: that of the workcell, else 0.03]
-    #[arg(long = "lookahead-time", value_name = "S", value_parser = above_zero, allow_negative_numbers = true)]
+    /// Look-ahead time of servoj in seconds, 0.03 to 0.2, by which the arm is behind its stream [default: that of the workcell, else 0.03]
+    #[arg(long = "lookahead-time", value_name = "S", value_parser = lookahead, allow_negative_numbers = true)]
     pub lookahead_s: Option<f64>,
-    /// Gain of servoj [default: that of the workcell, else 2000]
-    #[arg(long, value_name = "N", value_parser = above_zero, allow_negative_numbers = true)]
+    /// Gain of servoj, 100 to 2000 [default: that of the workcell, else 2000]
+    #[arg(long, value_name = "N", value_parser = gain, allow_negative_numbers = true)]
     pub gain: Option<f64>,
     /// Share of the programmed speeds at which moves run; streams run at their own
     #[arg(long = "speed", value_name = "SHARE", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
@@ -109,6 +116,9 @@ pub struct AllowArgs {
     /// How far the tip may be off the plan, as a share of the width of the bead
     #[arg(long, value_name = "SHARE", default_value_t = 0.25, value_parser = above_zero, allow_negative_numbers = true)]
     pub allow_tip: f64,
+    /// By how many degrees the nozzle may lean otherwise than planned
+    #[arg(long = "allow-tilt", value_name = "DEG", default_value_t = 5.0, value_parser = above_zero, allow_negative_numbers = true)]
+    pub allow_tilt_deg: f64,
     /// Share of the planned way whose corners the tip may leave out
     #[arg(long, value_name = "SHARE", default_value_t = 0.001, value_parser = from_zero, allow_negative_numbers = true)]
     pub allow_missed: f64,
@@ -143,9 +153,21 @@ fn list<const N: usize>(text: &str) -> Result<[f64; N], String> {
     numbers?.try_into().map_err(|_| format!("must be {N} numbers with commas between them"))
 }
 
-fn rate(text: &str) -> Result<f64, String> {
+fn within(text: &str, [min, max]: [f64; 2]) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (1.0..=10_000.0).contains(&value) { Ok(value) } else { Err("must be from 1 to 10000".to_owned()) }
+    if (min..=max).contains(&value) { Ok(value) } else { Err(format!("must be from {min} to {max}")) }
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    within(text, [1.0, 10_000.0])
+}
+
+fn lookahead(text: &str) -> Result<f64, String> {
+    within(text, LOOKAHEAD_S)
+}
+
+fn gain(text: &str) -> Result<f64, String> {
+    within(text, GAIN)
 }
 
 impl ControllerArgs {

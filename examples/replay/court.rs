@@ -53,6 +53,8 @@ pub struct Court<'a> {
     pub unwritten: Option<io::Error>,
     /// Ticks.
     pub ticks: u64,
+    /// Whether the program says how much material comes out.
+    pub has_amounts: bool,
 }
 
 impl<'a> Court<'a> {
@@ -85,6 +87,7 @@ impl<'a> Court<'a> {
             table: None,
             unwritten: None,
             ticks: 0,
+            has_amounts: true,
         }
     }
 
@@ -113,7 +116,7 @@ impl<'a> Court<'a> {
         }
         self.deposit.take(tick, &pose.tip, way, found.as_ref());
         let height = self.bead.map_or(2.0 * BEAD_HEIGHT * self.nozzle.tip, |bead| bead.height);
-        self.contact.take(tick, &pose, (tick.extrudes && tick.filament_mm > 0.0).then_some(height));
+        self.contact.take(tick, &pose, self.lays(tick).then_some(height));
         self.show(tick, &pose, way);
         self.last = Some(pose);
         if let Err(error) = self.write(tick, &pose) {
@@ -121,9 +124,14 @@ impl<'a> Court<'a> {
         }
     }
 
+    /// Whether material comes out.
+    fn lays(&self, tick: &Tick) -> bool {
+        tick.extrudes && (tick.filament_mm > 0.0 || !self.has_amounts)
+    }
+
     fn compare(&mut self, tick: &Tick, pose: &NozzlePose, way: f64) -> Option<Match> {
         let judge = self.tip.as_mut().filter(|_| self.fault.is_none())?;
-        match judge.take(tick, &pose.tip, way) {
+        match judge.take(tick, pose, way) {
             Ok(found) => found,
             Err(fault) => {
                 self.fault = Some(fault);
@@ -143,7 +151,7 @@ impl<'a> Court<'a> {
             None => [2.0 * BEAD_WIDTH * self.nozzle.tip, 2.0 * BEAD_HEIGHT * self.nozzle.tip],
         };
         let (layer, path) = self.bead.map_or((0, 0), |bead| (bead.layer, bead.path));
-        let kind = if tick.extrudes && tick.filament_mm > 0.0 && !tick.jumped { 0 } else { Step::TRAVEL };
+        let kind = if self.lays(tick) && !tick.jumped { 0 } else { Step::TRAVEL };
         let (tip, direction, seconds) = (pose.tip, pose.axis, self.tick_s);
         self.steps.push(Step { tip, direction, width, height, kind, layer, path, seconds });
         self.shown.push((tick.seconds, tick.axes));

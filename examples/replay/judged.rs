@@ -3,6 +3,7 @@
 use super::args::Args;
 use super::court::Court;
 use super::judge::{Quantity, Worst};
+use super::program::Files;
 use super::run::Executed;
 use super::setup::Setup;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
@@ -41,13 +42,21 @@ pub fn place(executed: &Executed, gcode: bool, worst: &Worst) -> String {
 
 impl Judged<'_> {
     fn at(&self, worst: &Worst) -> String {
-        place(self.executed, matches!(self.setup.machine, super::machine::Machine::Rotary(_)), worst)
+        place(self.executed, matches!(self.setup.machine, super::machine::Machine::FiveAxis(_)), worst)
     }
 
     fn machine(&mut self) {
         if let Some(by) = &self.setup.machine_by {
             let severity = if by.starts_with("a guess") { Severity::Warning } else { Severity::Note };
             self.findings.add(severity, "no workcell was named, this one was taken", by.clone(), "");
+        }
+        let Files { kind, paths, others } = &self.setup.files;
+        if !others.is_empty() {
+            let first = paths[0].file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            let amount = format!("{first} ({})", kind.name());
+            self.findings
+                .explain(Severity::Note, "of the programs in the folder one is replayed", amount, "")
+                .cause(format!("not replayed: {}", others.join(", ")));
         }
         if self.setup.plan.is_none() {
             self.findings
@@ -100,7 +109,7 @@ impl Judged<'_> {
             self.findings
                 .explain(
                     Severity::Failed,
-                    "moves or waits take more than a day and are left out",
+                    "moves take more than a day and are left out",
                     count.to_string(),
                     self.at(&worst),
                 )
@@ -177,6 +186,8 @@ impl Judged<'_> {
                 .cause(cause)
                 .allow(accept("--allow-tip", tip.worst.value));
         }
+        self.tilt();
+        let Some(tip) = &self.court.tip else { return };
         let missed = if tip.planned_mm > 0.0 { tip.missed_mm / tip.planned_mm } else { 0.0 };
         if missed > allow.allow_missed {
             let by = if tip.missed_by_mm.is_finite() {
@@ -215,6 +226,30 @@ impl Judged<'_> {
         }
     }
 
+    fn tilt(&mut self) {
+        let Some(tip) = &self.court.tip else { return };
+        let allowed = self.args.allow.allow_tilt_deg;
+        if tip.tilt.value <= allowed {
+            return;
+        }
+        let share = if tip.extruded_mm > 0.0 { tip.tilted_mm / tip.extruded_mm } else { 0.0 };
+        let amount = format!("{:.2} degrees; more than {allowed} over {} of the way", tip.tilt.value, percent(share));
+        let is_whole = tip.tilts.quantile(0.5) > SYSTEMATIC * tip.tilt.value;
+        let is_polar = matches!(&self.setup.machine, super::machine::Machine::FiveAxis(printer) if printer.linear < 3);
+        let cause = if is_polar {
+            "with two linear axes a direction follows from the place: the machine leaves the rest of the tilt out"
+        } else if is_whole {
+            "the whole program is off: the tool, the zero or the sense of a rotary axis, or the way the part lies is another than the plan had"
+        } else {
+            ""
+        };
+        let place = self.at(&tip.tilt);
+        self.findings
+            .explain(Severity::Failed, "the nozzle leans otherwise than planned", amount, place)
+            .cause(cause)
+            .allow(accept("--allow-tilt", tip.tilt.value));
+    }
+
     fn deposit(&mut self) {
         let (deposit, allow) = (&self.court.deposit, &self.args.allow);
         if self.executed.ends_extruding {
@@ -230,6 +265,11 @@ impl Judged<'_> {
                 .allow(accept("--allow-rest", deposit.rest.value));
         }
         let Some(tip) = &self.court.tip else { return };
+        if !self.court.has_amounts {
+            let what = "the flavour says when material comes out, not how much: the thickness of beads is compared with nothing";
+            self.findings.add(Severity::Note, what, "", "");
+            return;
+        }
         if tip.planned_filament_mm > 0.0 {
             let off = (deposit.filament_mm / tip.planned_filament_mm - 1.0).abs();
             if off > allow.allow_deposit {

@@ -1,4 +1,4 @@
-//! What a machine does with a program before it runs: robot programs and five-axis G-code, executed by a model of the controller.
+//! What a machine does with a program before it runs: robot programs (URScript, RAPID, KRL, TP) and five-axis G-code, executed by a model of the controller.
 //!
 //! Time; axes against their limits; the tip against the planned paths; deposited beads against the plan; contact of the nozzle with what is built so far and
 //! with the plate. It shares no code with the planner: its kinematics, its controller and its judges are its own, the text of programs is read by the
@@ -11,8 +11,10 @@
 
 mod args;
 mod axes;
+mod chosen;
 mod controller;
 mod court;
+mod facts;
 mod judge;
 mod judged;
 mod machine;
@@ -38,7 +40,8 @@ use std::time::Instant;
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let named = [args.workcell.as_deref(), args.machine.as_deref(), args.plan.as_deref()];
+        let flavour = args.flavour.as_deref().map(Path::new).filter(|path| path.is_file());
+        let named = [args.workcell.as_deref(), args.machine.as_deref(), args.plan.as_deref(), flavour];
         let inputs = args.program.iter().map(|path| Some(path.as_path())).chain(named);
         let folder = args.common.folder("replay", inputs, outputs::is_ours)?;
         let (tables, outcome) = work(&args, &Bars::new(args.common.quiet), &folder)?;
@@ -53,10 +56,11 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Tabl
     let setup = Setup::new(args)?;
     let args = &with_time(args, &setup);
     keep_apart(args, folder)?;
-    let plan = setup.beads()?.map(|beads| Tip::new(beads, args.allow.allow_tip));
+    let plan = setup.beads()?.map(|beads| Tip::new(beads, [args.allow.allow_tip, args.allow.allow_tilt_deg]));
     folder.clear(outputs::is_ours)?;
     let nozzle = (setup.nozzle, setup.plate_mm);
     let mut court = Court::new(&setup.machine, setup.model.tick_s(), nozzle, &args.allow, plan);
+    court.has_amounts = setup.has_amounts();
     let table = if args.joints { Some(folder.begin(outputs::JOINTS)?) } else { None };
     let unfinished = match table {
         Some((unfinished, file)) => {
@@ -82,7 +86,7 @@ pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Tabl
 
 /// Moves that go by their own speeds take longer by their accelerations; streams and lines under `G93` have their time.
 fn with_time(args: &Args, setup: &Setup) -> Args {
-    let by_speeds = matches!(setup.files.kind, Kind::Rapid | Kind::Csv);
+    let by_speeds = !matches!(setup.files.kind, Kind::UrScript | Kind::Gcode);
     let mut args = args.clone();
     args.allow.allow_time.get_or_insert(if by_speeds { 0.03 } else { 0.01 });
     args

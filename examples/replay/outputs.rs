@@ -56,7 +56,7 @@ pub fn write(run: Run, folder: &OutputFolder, time: Duration) -> Result<Vec<Tabl
 }
 
 fn is_gcode(run: &Run) -> bool {
-    matches!(run.setup.machine, Machine::Rotary(_))
+    matches!(run.setup.machine, Machine::FiveAxis(_))
 }
 
 /// A line for each axis.
@@ -103,6 +103,8 @@ fn tables(run: &Run) -> Vec<Table> {
             format!("{:.3}", tip.errors.quantile(0.95)),
             "0".to_owned(),
         ]);
+        let tilts = format!("{:.2}, {:.2}", tip.tilt.value, tip.tilts.quantile(0.95));
+        whole.row(["nozzle leans otherwise deg, worst and 95 %".to_owned(), tilts, "0".to_owned()]);
     }
     whole.row(["fastest tip mm/s".to_owned(), format!("{:.1}", run.court.max_tip_mm_s), "-".to_owned()]);
     let mut axes = Table::new(["axis", "speed", "of its limit", "acceleration", "of its limit", "jerk of its limit"]);
@@ -130,6 +132,7 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("program", setup.files.paths[0].display().to_string())?
+        .set("format", setup.format())?
         .set("files", executed.files.len())?
         .set("machine", setup.machine.name())?
         .set("plan", plan)?
@@ -181,6 +184,10 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
             .set("tip_off_share", tip.worst.value)?
             .set("tip_off_95_mm", tip.errors.quantile(0.95))?
             .set("tip_off_50_mm", tip.errors.quantile(0.5))?
+            .set("tilt_off_deg", tip.tilt.value)?
+            .set("tilt_off_95_deg", tip.tilts.quantile(0.95))?
+            .set("tilt_off_50_deg", tip.tilts.quantile(0.5))?
+            .set("tilted_mm", tip.tilted_mm)?
             .set("extruded_mm", tip.extruded_mm)?
             .set("off_plan_mm", tip.off_mm)?
             .set("stray_mm", tip.stray_mm)?
@@ -222,6 +229,7 @@ fn marks(run: &Run) -> Vec<Marks> {
     };
     if let Some(tip) = &court.tip {
         mark("tip off the planned path", &tip.worst, tip.worst.value > allow.allow_tip);
+        mark("nozzle leans otherwise than planned", &tip.tilt, tip.tilt.value > allow.allow_tilt_deg);
         mark("extruder runs between paths", &tip.stray, tip.stray_mm > allow.allow_stray * tip.extruded_mm);
         mark(
             "bead thicker or thinner than planned",

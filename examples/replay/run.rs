@@ -1,16 +1,18 @@
 //! Reads the program and lets the controller execute it, tick by tick.
 
+use super::chosen::Reading;
 use super::controller::{Controller, Tick};
 use super::court::Court;
-use super::machine::Machine;
+use super::machine::{Machine, ToolFrames};
 use super::program::command::Place;
-use super::program::{GcodeProgram, Kind, RobotProgram, Source};
+use super::program::{FlavourProgram, GcodeProgram, Kind, RobotProgram, Source};
 use super::setup::Setup;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::input;
+use curvlay_examples::input::{self, InputError};
 use curvlay_examples::waypoints::fault;
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{BufReader, Take};
 use std::path::Path;
 
 /// What came of a program, beside what the judges say.
@@ -40,31 +42,32 @@ pub fn execute(setup: &Setup, court: &mut Court, bars: &Bars) -> Result<Executed
     let mut controller = Controller::new(&setup.model, &setup.machine);
     let mut files = Vec::new();
     let count = setup.files.paths.len() as u64;
-    for (number, path) in (0u32..).zip(&setup.files.paths) {
-        bars.update("replay", u64::from(number), count);
+    for (done, path) in (0u64..).zip(&setup.files.paths) {
+        bars.update("replay", done, count);
+        let number = files.len() as u32;
         files.push(name_of(path));
         let reader = BufReader::new(input::open(path, input::MAX_DATA_BYTES)?);
-        let mut take = |source: Source| take(&mut controller, court, source);
+        let word = if setup.files.kind == Kind::Gcode { "line" } else { "step" };
+        let mut take = |source: Source| take(&mut controller, court, source, word);
+        let refused = |what: String| fault(path, &what);
+        // A controller's path, such as `HOME:/parts/print_001.mod`: the file beside the main one.
+        let open = |name: &str| {
+            let name = name.rsplit(['/', '\\', ':']).next().unwrap_or(name);
+            files.push(name.to_owned());
+            beside(path, name).map_err(std::io::Error::other)
+        };
+        let has_table = matches!(&setup.machine, Machine::Robot(robot) if robot.axes() > 6);
+        let mut program = RobotProgram::new(&mut take, has_table);
         match setup.files.kind {
-            Kind::Gcode => gcode(setup, reader, number, &mut take).map_err(|what| fault(path, &what))?,
-            Kind::UrScript => {
-                RobotProgram::new(&mut take).urscript(reader, number).map_err(|what| fault(path, &what))?;
-            }
-            Kind::Csv => {
-                let Machine::Robot(robot) = &setup.machine else { continue };
-                RobotProgram::new(&mut take).csv(reader, number, robot.frames()).map_err(|what| fault(path, &what))?;
-            }
-            Kind::Rapid => {
-                let folder = path.parent().unwrap_or(Path::new("."));
-                let open = |name: &str| {
-                    // A controller's path, such as `HOME:/parts/print_001.mod`: the file beside the main module.
-                    let name = name.rsplit(['/', '\\', ':']).next().unwrap_or(name);
-                    files.push(name.to_owned());
-                    input::open(&folder.join(name), input::MAX_DATA_BYTES)
-                        .map(BufReader::new)
-                        .map_err(std::io::Error::other)
-                };
-                RobotProgram::new(&mut take).rapid(reader, open).map_err(|what| fault(path, &what))?;
+            Kind::Gcode => gcode(setup, reader, number, &mut take).map_err(refused)?,
+            Kind::UrScript => program.urscript(reader, number).map_err(refused)?,
+            Kind::Csv => program.csv(reader, number, frames(setup)).map_err(refused)?,
+            Kind::Rapid => drop(program.rapid(reader, open, number).map_err(refused)?),
+            Kind::Tp => drop(program.tp(reader, open, number, frames(setup)).map_err(refused)?),
+            Kind::Krl => {
+                let data = path.with_extension("dat");
+                let data = BufReader::new(input::open(&data, input::MAX_DATA_BYTES)?);
+                program.krl([data, reader], open, number).map_err(refused)?;
             }
         }
     }
@@ -85,14 +88,29 @@ pub fn execute(setup: &Setup, court: &mut Court, bars: &Bars) -> Result<Executed
     })
 }
 
-fn take(controller: &mut Controller, court: &mut Court, source: Source) -> Result<(), String> {
+fn take(controller: &mut Controller, court: &mut Court, source: Source, word: &str) -> Result<(), String> {
     match source {
         Source::Frames(frames) => controller.set_frames(frames, &mut |tick: &Tick| court.take(tick)),
         Source::Acceleration(mm_s2) => controller.set_acceleration(mm_s2),
-        Source::Command(place, command) => controller.command(place, &command, &mut |tick: &Tick| court.take(tick)),
+        Source::Command(place, command) => {
+            let done = controller.command(place, &command, &mut |tick: &Tick| court.take(tick));
+            done.map_err(|fault| format!("{word} {}: {fault}", place.step))?;
+        }
     }
     // What follows would be compared with nothing.
     court.fault.as_ref().map_or(Ok(()), |_| Err("the plan could not be read".to_owned()))
+}
+
+/// The frames of the workcell, for programs without frames of their own.
+fn frames(setup: &Setup) -> ToolFrames {
+    match &setup.machine {
+        Machine::Robot(robot) => robot.frames(),
+        Machine::FiveAxis(_) => unreachable!("a robot program on a printer"),
+    }
+}
+
+fn beside(path: &Path, name: &str) -> Result<BufReader<Take<File>>, InputError> {
+    input::open(&path.parent().unwrap_or(Path::new(".")).join(name), input::MAX_DATA_BYTES).map(BufReader::new)
 }
 
 fn gcode(
@@ -101,10 +119,23 @@ fn gcode(
     number: u32,
     take: &mut impl FnMut(Source) -> Result<(), String>,
 ) -> Result<(), String> {
-    let Machine::Rotary(rotary) = &setup.machine else { return Ok(()) };
-    let mut program = GcodeProgram::new(reader, number, [rotary.tilt.letter, rotary.turn.letter]);
-    while let Some((place, command)) = program.next_command().map_err(|error| error.to_string())? {
-        take(Source::Command(place, command))?;
+    let (Machine::FiveAxis(printer), Some(reading)) = (&setup.machine, &setup.reading) else { return Ok(()) };
+    match reading {
+        Reading::Plain(dialect) => {
+            let mut program = GcodeProgram::new(reader, number, dialect.clone());
+            while let Some((place, command)) = program.next_command().map_err(|error| error.to_string())? {
+                take(Source::Command(place, command))?;
+            }
+        }
+        Reading::Flavour(flavour) => {
+            let mut program = FlavourProgram::new(reader, number, flavour, printer)?;
+            let refused = |error| {
+                format!("{error} (read as `{}`: --flavour names another one, `plain` is G-code of none)", flavour.name)
+            };
+            while let Some((place, command)) = program.next_command().map_err(refused)? {
+                take(Source::Command(place, command))?;
+            }
+        }
     }
     Ok(())
 }

@@ -1,12 +1,12 @@
 //! Names of the files that a run writes.
 
-use super::{axes, programs};
+use super::{axes, programs, workcell};
 use crate::motion::trajectory;
 use crate::ranges;
 use curvlay_examples::output::SUMMARY;
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 30] = [
+const NAMES: [&str; 31] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
@@ -37,6 +37,7 @@ const NAMES: [&str; 30] = [
     "motion-faults.csv",
     "motion-check.csv",
     "programs.csv",
+    workcell::FILE,
 ];
 
 /// Whether a file of this name is one that a run may write.

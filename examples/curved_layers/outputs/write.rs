@@ -1,6 +1,6 @@
 //! Writes what the stages have made: files, summary, report, and the tables on stdout.
 
-use super::{axes, build, field, machine, motion, paths, people, programs, surfaces};
+use super::{axes, build, field, machine, motion, paths, people, programs, surfaces, workcell};
 use crate::args::{Extra, Stage, failure};
 use crate::job::{Job, Posed, Results};
 use crate::motion::{Motion, of_run, trajectory};
@@ -96,6 +96,7 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
             machine.iter().try_for_each(|run| machine::products(args, &part.name, run, (files, folder)))?;
             let Some(motion) = motion else { return Ok(()) };
             of_run!(motion, run => motion::products(run, folder)?);
+            of_run!(motion, run => workcell::write(run, args.motion.workcell.as_deref(), folder)?);
             let written = of_run!(motion, run => programs::products(run, &args.motion, setup.format, folder)?);
             programs::find(&written, of_run!(motion, run => run.fastest_mm_s()), findings);
             findings.say();

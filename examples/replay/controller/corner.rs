@@ -3,8 +3,7 @@
 use super::super::axes::Axes;
 use super::super::machine::Machine;
 use super::super::program::command::Zone;
-use super::segment::Segment;
-use nalgebra::Vector3;
+use super::segment::{Path, Segment};
 
 /// Seconds of both segments that a blend takes; 0 for a stop. The second value says whether the zone was cut, since it is wider than half a segment.
 pub fn reach(before: &Segment, after: &Segment, machine: &Machine, corner_mm: f64) -> (f64, bool) {
@@ -23,25 +22,29 @@ pub fn reach(before: &Segment, after: &Segment, machine: &Machine, corner_mm: f6
         }
         Zone::Tolerance => {
             // A parabola cuts its corner by a quarter of the change of speed times its reach.
-            let change = change_of_speed(&before.rates[1], &after.rates[0], &before.ends[1], machine);
+            let change = change_of_speed(before, after, machine);
             (if change > 0.0 { (4.0 * corner_mm / change).min(half) } else { half }, false)
         }
     }
 }
 
-/// By how much the speed of the tip changes, in mm/s, at most: rotary axes move it by its lever arm.
-fn change_of_speed(before: &Axes, after: &Axes, at: &Axes, machine: &Machine) -> f64 {
-    let change: Axes = std::array::from_fn(|k| after[k] - before[k]);
+/// By how much the speed of the tip changes, in mm/s: that of the parabola between two moves, in the first order.
+fn change_of_speed(before: &Segment, after: &Segment, machine: &Machine) -> f64 {
+    if let (Path::Tip { .. }, Some(first), Some(second)) = (&before.path, before.tip(), after.tip()) {
+        return (second - first).norm();
+    }
+    let change: Axes = std::array::from_fn(|k| after.rates[0][k] - before.rates[1][k]);
     match machine {
-        Machine::Rotary(rotary) => {
-            let place = Vector3::new(at[0], at[1], at[2]);
-            let lever = |centre: &Vector3<f64>| (place - centre).norm();
-            let turned = change[3].abs() * lever(&rotary.tilt.centre) + change[4].abs() * lever(&rotary.turn.centre);
-            Vector3::new(change[0], change[1], change[2]).norm() + turned
+        Machine::FiveAxis(printer) => {
+            let at = before.ends[1];
+            let moved: Axes = std::array::from_fn(|k| at[k] + INSTANT_S * change[k]);
+            (printer.nozzle_on_part(&moved).tip - printer.nozzle_on_part(&at).tip).norm() / INSTANT_S
         }
         Machine::Robot(_) => change.iter().map(|x| x.abs()).sum::<f64>() * ARM_MM,
     }
 }
 
+/// Time for differences, in seconds: axes go less than a thousandth of a radian, and digits are left.
+const INSTANT_S: f64 = 1e-5;
 /// Reach of an arm, for corners of moves by joints under a tolerance.
 const ARM_MM: f64 = 1000.0;

@@ -9,6 +9,10 @@ pub enum Maker {
     Ur,
     /// ABB
     Abb,
+    /// KUKA
+    Kuka,
+    /// Fanuc
+    Fanuc,
     /// A printer with G-code
     Gcode,
 }
@@ -72,6 +76,8 @@ impl ControllerModel {
     ///   `lookahead_time` 0.03 s. The look-ahead is an estimate.
     /// * ABB: acceleration of the path as the program has it (`PathAccLim`), else 10 m/s2 (an estimate for small arms); an S-curve, as ABB's `AccSet`
     ///   has a ramp, of 0.05 s (an estimate).
+    /// * KUKA: acceleration of the path 2 m/s2, the `$ACC.CP` of our programs; five moves ahead (`$ADVANCE` is at most 5); an S-curve as ABB's (an estimate).
+    /// * Fanuc: 10 m/s2 and an S-curve, as ABB's (estimates: a program has shares of what the arm can do).
     /// * G-code: trapezoids over 16 moves (Marlin, `BLOCK_BUFFER_SIZE`), corners cut by 0.05 mm (an estimate: Marlin's junction deviation is 0.013 mm,
     ///   a P of `G64` in LinuxCNC is commonly 0.01 to 0.1 mm).
     pub fn of(maker: Maker) -> Self {
@@ -89,16 +95,21 @@ impl ControllerModel {
             speed_share: 1.0,
             rate_hz: 125.0,
         };
+        let smooth = ControllerModel {
+            profile: Profile::SCurve,
+            tip_mm_s2: 10_000.0,
+            tip_mm_s: 5000.0,
+            joint_rad_s2: f64::INFINITY,
+            signal_share: 0.5,
+            ..base
+        };
         match maker {
             Maker::Ur => base,
-            Maker::Abb => ControllerModel {
-                profile: Profile::SCurve,
-                tip_mm_s2: 10_000.0,
-                tip_mm_s: 5000.0,
-                joint_rad_s2: f64::INFINITY,
-                signal_share: 0.5,
-                ..base
-            },
+            Maker::Abb => smooth,
+            // A trigger at the end of a line comes in the middle of its arc.
+            Maker::Kuka => ControllerModel { tip_mm_s2: 2000.0, look_ahead: 5, ..smooth },
+            // Behind CNT a signal comes as the corner begins.
+            Maker::Fanuc => ControllerModel { signal_share: 0.0, ..smooth },
             Maker::Gcode => ControllerModel {
                 tip_mm_s2: f64::INFINITY,
                 tip_mm_s: f64::INFINITY,

@@ -56,6 +56,10 @@ impl Piece {
                         let (pose, table) = between_lines(before, first, after, second);
                         solved(machine, frames, &pose, table, near)
                     }
+                    (Path::Tip { from, to }, Path::Tip { from: corner, to: on }) => {
+                        let (one, two) = (Path::axes_at(from, to, first), Path::axes_at(corner, on, second));
+                        under_tip(machine, &std::array::from_fn(|k| one[k] + two[k] - corner[k]), near)
+                    }
                     _ => {
                         let one = of_segment(before, first, machine, frames, near);
                         let two = of_segment(after, second, machine, frames, near);
@@ -92,9 +96,9 @@ impl Piece {
         self.segment_at(u).place
     }
 
-    /// Whether filament goes into the nozzle with the move.
-    pub fn has_filament(&self, u: f64) -> bool {
-        self.segment_at(u).filament_mm > 0.0
+    /// Whether material comes out with the move.
+    pub fn extrudes(&self, u: f64) -> bool {
+        self.segment_at(u).extrudes
     }
 
     /// The radius of the blend, in millimetres; 0 for a part of a segment.
@@ -148,9 +152,17 @@ fn solved(machine: &Machine, frames: Option<&ToolFrames>, pose: &Frame, table: [
     robot.solve(frames, pose, &seed).axes
 }
 
+fn under_tip(machine: &Machine, program: &Axes, near: &Axes) -> Axes {
+    match machine {
+        Machine::FiveAxis(printer) => printer.under_tip(program),
+        Machine::Robot(_) => *near,
+    }
+}
+
 fn of_segment(segment: &Segment, share: f64, machine: &Machine, frames: Option<&ToolFrames>, near: &Axes) -> Axes {
     match &segment.path {
         Path::Axes { from, to } => Path::axes_at(from, to, share),
+        Path::Tip { from, to } => under_tip(machine, &Path::axes_at(from, to, share), near),
         Path::Line { from, to, turn, table } => {
             solved(machine, frames, &line_at(from, to, turn, share), table_at(table, share), near)
         }
@@ -159,43 +171,44 @@ fn of_segment(segment: &Segment, share: f64, machine: &Machine, frames: Option<&
 
 /// The greatest speed and change of speed that limits of axes and tip permit on a piece, as shares of the programmed speed.
 pub fn pace(shape: &Shape, speeds: &Axes, accelerations: &Axes, tip: [f64; 2], most: f64) -> [f64; 2] {
-    let (mut top, mut rate) = (most, f64::INFINITY);
-    let [tip_speed, tip_acceleration] = tip;
-    let mut hold = |rates: &Axes, tip: Option<f64>, share: f64| {
-        for k in 0..MAX_AXES {
-            if rates[k] > 0.0 {
-                top = top.min(speeds[k] / rates[k]);
-                rate = rate.min(share * accelerations[k] / rates[k]);
-            }
-        }
-        if let Some(tip) = tip.filter(|speed| *speed > 0.0) {
-            top = top.min(tip_speed / tip);
-            rate = rate.min(share * tip_acceleration / tip);
-        }
-    };
     match shape {
-        Shape::Straight { segment, .. } => hold(&segment.max_rates, segment.tip().map(|tip| tip.norm()), 1.0),
-        Shape::Blend { before, after, reach } => {
-            hold(&before.rates[1].map(f64::abs), before.tip().map(|tip| tip.norm()), 1.0 - CORNER_SHARE);
-            hold(&after.rates[0].map(f64::abs), after.tip().map(|tip| tip.norm()), 1.0 - CORNER_SHARE);
-            // Along the parabola the speed changes evenly: the square of the share bounds that.
-            let mut square = f64::INFINITY;
+        Shape::Straight { segment, .. } => {
+            let tip_speed = segment.tip().map_or(0.0, |tip| tip.norm());
+            let mut top = most.min(share_of(tip[0], tip_speed));
+            for k in 0..MAX_AXES {
+                let bent = (CORNER_SHARE * share_of(accelerations[k], segment.bends[k])).sqrt();
+                top = top.min(share_of(speeds[k], segment.max_rates[k])).min(bent);
+            }
+            let mut rate = share_of(tip[1], tip_speed);
             for (k, acceleration) in accelerations.iter().enumerate() {
-                let change = (after.rates[0][k] - before.rates[1][k]).abs();
-                if change > 0.0 {
-                    square = square.min(CORNER_SHARE * 2.0 * reach * acceleration / change);
-                }
+                let left = acceleration - segment.bends[k] * top * top;
+                rate = rate.min(share_of(left, segment.max_rates[k]));
             }
-            if let (Some(first), Some(second)) = (before.tip(), after.tip()) {
-                let change = (second - first).norm();
-                if change > 0.0 {
-                    square = square.min(CORNER_SHARE * 2.0 * reach * tip_acceleration / change);
-                }
+            [top, rate.min(MAX_RATE)]
+        }
+        Shape::Blend { before, after, reach } => {
+            let rates: Axes = std::array::from_fn(|k| before.rates[1][k].abs().max(after.rates[0][k].abs()));
+            let (first, second) = (before.tip(), after.tip());
+            let tip_speed = [first, second].into_iter().flatten().map(|tip| tip.norm()).fold(0.0, f64::max);
+            let turned = first.zip(second).map_or(0.0, |(first, second)| (second - first).norm() / (2.0 * reach));
+            // Along the parabola the speed changes evenly: the square of the share bounds that.
+            let mut square = share_of(tip[1], turned);
+            let (mut top, mut rate) = (most.min(share_of(tip[0], tip_speed)), share_of(tip[1], tip_speed));
+            for k in 0..MAX_AXES {
+                let change = (after.rates[0][k] - before.rates[1][k]).abs() / (2.0 * reach);
+                square = square.min(share_of(accelerations[k], change + before.bends[k].max(after.bends[k])));
+                top = top.min(share_of(speeds[k], rates[k]));
+                rate = rate.min(share_of(accelerations[k], rates[k]));
             }
-            top = top.min(square.sqrt());
+            top = top.min((CORNER_SHARE * square).sqrt());
+            [top, ((1.0 - CORNER_SHARE) * rate).min(MAX_RATE)]
         }
     }
-    [top, rate.min(MAX_RATE)]
+}
+
+/// Which share of what would be used is permitted; without end where nothing is used.
+fn share_of(limit: f64, used: f64) -> f64 {
+    if used > 0.0 { limit / used } else { f64::INFINITY }
 }
 
 /// In a blend the direction changes, and the speed may as well: the share of an acceleration that is left to the first of both. With all of it the corner is at its

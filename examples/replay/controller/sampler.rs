@@ -89,6 +89,11 @@ impl<'a> Sampler<'a> {
         (self.axes, self.place, self.is_lost) = (axes, place, true);
     }
 
+    /// Filament of a move that is over before it begins: it comes with the next tick.
+    pub fn give(&mut self, filament_mm: f64) {
+        self.passed_mm += filament_mm;
+    }
+
     /// A signal at rest, or within a stream.
     pub fn signal(&mut self, signal: Signal) {
         match signal {
@@ -151,16 +156,16 @@ impl<'a> Sampler<'a> {
     fn emit(&mut self, raw: f64, time: f64, sink: &mut Sink) {
         let way = self.averaged(raw);
         self.pass(way);
-        let (mut filament, mut moves_filament, mut blend_mm) = (self.passed_mm, false, 0.0);
+        let (mut filament, mut lays, mut blend_mm) = (self.passed_mm, false, 0.0);
         if let Some((begin, piece)) = self.pieces.front() {
             let u = (way - begin).clamp(0.0, piece.way);
             self.axes = piece.axes_at(u, self.machine, self.frames.as_ref(), &self.axes);
             filament += piece.filament_at(u);
-            (self.place, moves_filament, blend_mm) = (piece.place_at(u), piece.has_filament(u), piece.blend_mm());
+            (self.place, lays, blend_mm) = (piece.place_at(u), piece.extrudes(u), piece.blend_mm());
         }
         let by_moves = filament - self.given_mm;
         self.given_mm = filament;
-        self.tick(time, by_moves, moves_filament, blend_mm, sink);
+        self.tick(time, by_moves, lays, blend_mm, sink);
     }
 
     fn averaged(&mut self, raw: f64) -> f64 {
@@ -176,11 +181,11 @@ impl<'a> Sampler<'a> {
         self.ramp.iter().sum::<f64>() / self.ramp_ticks as f64
     }
 
-    fn tick(&mut self, seconds: f64, by_moves: f64, moves_filament: bool, blend_mm: f64, sink: &mut Sink) {
+    fn tick(&mut self, seconds: f64, by_moves: f64, lays: bool, blend_mm: f64, sink: &mut Sink) {
         let runs = self.extruder.runs();
         let filament_mm = by_moves + if runs { self.extruder.mm_s * self.tick_s } else { 0.0 };
         let jumped = std::mem::take(&mut self.is_lost);
-        let extrudes = runs || moves_filament;
+        let extrudes = runs || lays;
         let (axes, place, streams) = (self.axes, self.place, self.streams);
         sink(&Tick { seconds, axes, filament_mm, extrudes, place, blend_mm, streams, jumped });
         self.ticks += 1;
@@ -191,7 +196,9 @@ impl<'a> Sampler<'a> {
         self.place = place;
         let end = self.now + seconds;
         while let Some(time) = self.next_by(end) {
-            self.tick(time, 0.0, false, 0.0, sink);
+            let by_moves = self.passed_mm - self.given_mm;
+            self.given_mm = self.passed_mm;
+            self.tick(time, by_moves, false, 0.0, sink);
         }
         self.now = end;
     }

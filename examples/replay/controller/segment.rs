@@ -1,7 +1,7 @@
 //! A move as a path with its time at the programmed speed.
 
 use super::super::axes::{Axes, Frame, MAX_AXES};
-use super::super::machine::{Robot, ToolFrames};
+use super::super::machine::{FiveAxis, Robot, ToolFrames};
 use super::super::program::command::{Place, Zone};
 use nalgebra::Vector3;
 
@@ -26,6 +26,13 @@ pub enum Path {
         /// The table at begin and end.
         table: [[f64; 2]; 2],
     },
+    /// The tip straight on the part and the rotary axes evenly: a printer whose controller knows the tip.
+    Tip {
+        /// Tip and readings of the rotary axes at its begin.
+        from: Axes,
+        /// The same at its end.
+        to: Axes,
+    },
 }
 
 /// A move that the controller has taken.
@@ -41,10 +48,14 @@ pub struct Segment {
     pub rates: [Axes; 2],
     /// Greatest speeds on the way.
     pub max_rates: Axes,
+    /// Greatest changes of speed on the way, in a second, at the programmed speed: the axes bend under a tip that goes straight.
+    pub bends: Axes,
     /// Length of the way of the tip, in millimetres.
     pub length_mm: f64,
     /// Filament on the way.
     pub filament_mm: f64,
+    /// Whether material comes out on the way.
+    pub extrudes: bool,
     /// How it ends.
     pub zone: Zone,
     /// Which command it is.
@@ -113,12 +124,49 @@ pub fn line(robot: &Robot, frames: &ToolFrames, begin: &Axes, target: &Frame, ta
         ends: [*begin, axes],
         rates,
         max_rates,
+        bends: [0.0; MAX_AXES],
         length_mm: length,
         filament_mm: 0.0,
+        extrudes: false,
         zone: Zone::Stop,
         place: Place::default(),
     };
     (segment, missed)
+}
+
+/// The line of the tip of a printer whose controller knows it, to a tip and readings of the rotary axes; its time is not known yet.
+pub fn tip_line(printer: &FiveAxis, begin: &Axes, to: &Axes) -> Segment {
+    let from = printer.of_tip(begin);
+    let way: Axes = std::array::from_fn(|k| to[k] - from[k]);
+    let length = Vector3::new(way[0], way[1], way[2]).norm();
+    let swing = way[3].abs().max(way[4].abs());
+    // Two at least: a change of speed needs them.
+    let parts = (length / PART_MM).max(swing / PART_RAD).ceil().clamp(2.0, MAX_PARTS);
+    let (mut axes, mut rates, mut max_rates) = (*begin, [[0.0; MAX_AXES]; 2], [0.0; MAX_AXES]);
+    let mut bends = [0.0; MAX_AXES];
+    for part in 1..=parts as u32 {
+        let before =
+            std::mem::replace(&mut axes, printer.under_tip(&Path::axes_at(&from, to, f64::from(part) / parts)));
+        let rate: Axes = std::array::from_fn(|k| (axes[k] - before[k]) * parts);
+        if part == 1 {
+            rates = [rate; 2];
+        }
+        for k in 0..MAX_AXES {
+            bends[k] = f64::max(bends[k], (rate[k] - rates[1][k]).abs() * parts);
+            max_rates[k] = f64::max(max_rates[k], rate[k].abs());
+        }
+        rates[1] = rate;
+    }
+    // Speeds at the ends are those of the middles of the parts there, and half a part on.
+    (0..MAX_AXES).for_each(|k| max_rates[k] += 0.5 * bends[k] / parts);
+    Segment {
+        path: Path::Tip { from, to: *to },
+        ends: [*begin, axes],
+        rates,
+        max_rates,
+        bends,
+        ..by_axes(begin, &axes, length)
+    }
 }
 
 /// A move of all axes; its time is not known yet.
@@ -130,8 +178,10 @@ pub fn by_axes(from: &Axes, to: &Axes, length_mm: f64) -> Segment {
         ends: [*from, *to],
         rates: [way; 2],
         max_rates: way.map(f64::abs),
+        bends: [0.0; MAX_AXES],
         length_mm,
         filament_mm: 0.0,
+        extrudes: false,
         zone: Zone::Stop,
         place: Place::default(),
     }
@@ -142,6 +192,7 @@ impl Segment {
     pub fn within(mut self, seconds: f64) -> Self {
         let scale = self.seconds / seconds;
         self.rates.iter_mut().chain([&mut self.max_rates]).flatten().for_each(|rate| *rate *= scale);
+        self.bends.iter_mut().for_each(|bend| *bend *= scale * scale);
         self.seconds = seconds;
         self
     }
@@ -150,6 +201,7 @@ impl Segment {
     pub fn tip(&self) -> Option<Vector3<f64>> {
         match &self.path {
             Path::Line { from, to, .. } => Some((to - from.at) / self.seconds),
+            Path::Tip { from, to } => Some(Vector3::from_fn(|k, _| to[k] - from[k]) / self.seconds),
             Path::Axes { .. } => None,
         }
     }

@@ -9,8 +9,8 @@ pub struct Bead {
     pub from: Point3<f64>,
     /// Where it ends.
     pub to: Point3<f64>,
-    /// From the tip into the nozzle, at its end.
-    pub direction: Vector3<f64>,
+    /// From the tip into the nozzle, at its begin and its end, where the plan says it.
+    pub directions: Option<[Vector3<f64>; 2]>,
     /// Width, in millimetres.
     pub width: f64,
     /// Height, in millimetres.
@@ -27,6 +27,14 @@ impl Bead {
     /// Its length.
     pub fn length(&self) -> f64 {
         (self.to - self.from).norm()
+    }
+
+    /// By which angle a nozzle leans otherwise than is planned after a share of its length, in radians; 0 where nothing is planned.
+    pub fn tilt_off(&self, share: f64, axis: &Vector3<f64>) -> f64 {
+        self.directions.map_or(0.0, |[from, to]| {
+            let planned = from + (to - from) * share;
+            planned.cross(axis).norm().atan2(planned.dot(axis))
+        })
     }
 
     /// The nearest point of it to a place, from a share of its length on: the share and the distance.

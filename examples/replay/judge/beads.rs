@@ -5,6 +5,7 @@
 
 use nalgebra::{Point3, Vector3};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// A capsule.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +27,29 @@ pub struct Beads {
     max_radius: f64,
     /// Longest way between two marked places of an axis.
     max_gap: f64,
-    columns: HashMap<[i32; 2], Column>,
+    columns: HashMap<u64, Column, BuildHasherDefault<OfColumn>>,
+    /// In which look each capsule was found last, and the number of this look.
+    seen: Vec<u32>,
+    look: u32,
+}
+
+/// Scatters columns by the golden ratio (D. Knuth, *The Art of Computer Programming* 3, 2nd ed. 1998, 6.4): a look asks for some hundred of them.
+#[derive(Clone, Copy, Debug, Default)]
+struct OfColumn(u64);
+
+impl Hasher for OfColumn {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, key: u64) {
+        let scattered = (self.0 ^ key).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 = scattered ^ (scattered >> 32);
+    }
 }
 
 /// Numbers of capsules by floor.
@@ -38,6 +61,10 @@ struct Column {
 
 fn cell(x: f64) -> i32 {
     (x / EDGE_MM).floor() as i32
+}
+
+fn column(x: i32, y: i32) -> u64 {
+    u64::from(x.cast_unsigned()) << 32 | u64::from(y.cast_unsigned())
 }
 
 impl Beads {
@@ -65,7 +92,7 @@ impl Beads {
         let mut last = None;
         for part in 0..=parts {
             let place = from + (to - from) * (f64::from(part) / f64::from(parts));
-            let key = ([cell(place.x), cell(place.y)], cell(place.z));
+            let key = (column(cell(place.x), cell(place.y)), cell(place.z));
             if last != Some(key) {
                 self.columns.entry(key.0).or_default().push(key.1, number);
             }
@@ -73,20 +100,28 @@ impl Beads {
         }
         self.max_radius = self.max_radius.max(capsule.radius);
         self.all.push(capsule);
+        self.seen.push(0);
     }
 
-    /// Numbers of capsules near a box, some of them more than once. Those whose axis is within it are among them.
-    pub fn within(&self, [low, high]: &[Point3<f64>; 2], found: &mut Vec<u32>) {
+    /// Numbers of capsules near a box, each once. Those whose axis is within it are among them.
+    pub fn within(&mut self, [low, high]: &[Point3<f64>; 2], found: &mut Vec<u32>) {
         // An axis may cross the box between two of its marked places: one of them is nearer than half of the way.
         let gap = Vector3::repeat(0.5 * self.max_gap);
         let [low, high] = [low - gap, high + gap];
         let floors = cell(low.z)..=cell(high.z);
+        self.look = self.look.wrapping_add(1);
         for x in cell(low.x)..=cell(high.x) {
             for y in cell(low.y)..=cell(high.y) {
-                let Some(column) = self.columns.get(&[x, y]) else { continue };
+                let Some(column) = self.columns.get(&column(x, y)) else { continue };
                 for (floor, numbers) in (column.first..).zip(&column.floors) {
-                    if floors.contains(&floor) {
-                        found.extend_from_slice(numbers);
+                    if !floors.contains(&floor) {
+                        continue;
+                    }
+                    for &number in numbers {
+                        let seen = &mut self.seen[number as usize];
+                        if std::mem::replace(seen, self.look) != self.look {
+                            found.push(number);
+                        }
                     }
                 }
             }

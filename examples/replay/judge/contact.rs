@@ -1,14 +1,14 @@
 //! Nozzle against what is built so far, and against the plate.
 //!
-//! Candidates are the beads within a margin of the nozzle; while the nozzle has moved less than the margin since they were collected, no other bead can touch
-//! it, and of the candidates only those whose distance then was less than the motion since.
+//! Candidates are the beads from which the nozzle is less than a margin away; while it has moved less than the margin since they were collected, no other bead can
+//! count, and of the candidates only those that were less than the motion since away.
 
 use super::super::axes::NozzlePose;
 use super::super::controller::Tick;
 use super::beads::{Beads, Capsule, Layer};
 use super::nozzle::Nozzle;
 use super::worst::Worst;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// Motion after which candidates are collected again, in millimetres.
 const MARGIN_MM: f64 = 2.0;
@@ -37,7 +37,7 @@ pub struct Contact {
     allowed: f64,
     beads: Beads,
     layer: Layer,
-    /// Where candidates were collected, and each with its distance then.
+    /// Where candidates were collected, and each with the motion that it takes at least until it counts.
     from: Option<NozzlePose>,
     candidates: Vec<(f64, u32)>,
     found: Vec<u32>,
@@ -106,12 +106,11 @@ impl Contact {
     }
 
     fn deepest(&self, pose: &NozzlePose, moved: f64) -> f64 {
-        let near =
-            self.candidates.iter().take_while(|(distance, _)| *distance <= moved).map(|(_, number)| *number as usize);
+        let near = self.candidates.iter().filter(|(motion, _)| *motion <= moved).map(|(_, number)| *number as usize);
         let depth = |number: usize| {
             let capsule = self.beads.at(number);
-            let gap = gap_within(&self.nozzle, pose, capsule, 0.0);
-            gap.map_or(0.0, |gap| -gap - 2.0 * self.allowed * capsule.radius)
+            let accepted = 2.0 * self.allowed * capsule.radius;
+            gap_within(&self.nozzle, pose, capsule, -accepted).map_or(0.0, |gap| -gap - accepted)
         };
         near.chain(self.collected..self.beads.len()).map(depth).fold(0.0, f64::max)
     }
@@ -122,28 +121,37 @@ impl Contact {
         let margin = Vector3::repeat(MARGIN_MM + self.beads.max_radius());
         self.found.clear();
         self.beads.within(&[low - margin, high + margin], &mut self.found);
-        self.found.sort_unstable();
-        self.found.dedup();
         let near = self.found.iter().filter_map(|&number| {
-            let gap = gap_within(&self.nozzle, pose, self.beads.at(number as usize), MARGIN_MM)?;
-            Some((gap, number))
+            let capsule = self.beads.at(number as usize);
+            let accepted = 2.0 * self.allowed * capsule.radius;
+            let motion = accepted + least_gap(&self.nozzle, pose, capsule, MARGIN_MM - accepted)?;
+            Some((motion, number))
         });
-        self.candidates = near.collect();
-        self.candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.candidates.clear();
+        self.candidates.extend(near);
         self.collected = self.beads.len();
         self.from = Some(*pose);
     }
 }
 
-/// How far a capsule is from the nozzle, if that is not more than `most`; negative where they touch.
-fn gap_within(nozzle: &Nozzle, pose: &NozzlePose, capsule: &Capsule, most: f64) -> Option<f64> {
+/// A bound below the distance of a capsule from the nozzle, if it is not more than `most`: all of the nozzle is above the plane of its tip, and distances change
+/// by no more than the place does.
+fn least_gap(nozzle: &Nozzle, pose: &NozzlePose, capsule: &Capsule, most: f64) -> Option<f64> {
     let ([from, to], radius) = (capsule.ends, capsule.radius);
-    let (middle, half) = (from + (to - from) * 0.5, 0.5 * (to - from).norm());
-    // All of the nozzle is above the plane of its tip; and distances change by no more than the place does.
-    let below = -(middle - pose.tip).dot(&pose.axis);
-    if below - half - radius > most || nozzle.distance(pose, &middle) - half - radius > most {
+    let height = |end: Point3<f64>| (end - pose.tip).dot(&pose.axis);
+    let below = -height(from).max(height(to)) - radius;
+    if below > most {
         return None;
     }
+    let (middle, half) = (from + (to - from) * 0.5, 0.5 * (to - from).norm());
+    let gap = below.max(nozzle.distance(pose, &middle) - half - radius);
+    (gap <= most).then_some(gap)
+}
+
+/// How far a capsule is from the nozzle, if that is not more than `most`; negative where they touch.
+fn gap_within(nozzle: &Nozzle, pose: &NozzlePose, capsule: &Capsule, most: f64) -> Option<f64> {
+    least_gap(nozzle, pose, capsule, most)?;
+    let ([from, to], radius) = (capsule.ends, capsule.radius);
     let at = |k: u32| nozzle.distance(pose, &(from + (to - from) * (f64::from(k) / f64::from(PLACES))));
     let gap = (0..=PLACES).map(at).fold(f64::INFINITY, f64::min) - radius;
     (gap <= most).then_some(gap)
@@ -164,7 +172,6 @@ impl Touch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Point3;
     use proptest::prelude::*;
 
     fn tick() -> Tick {

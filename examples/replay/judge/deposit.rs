@@ -85,14 +85,13 @@ impl Deposit {
 mod tests {
     use super::super::bead::Bead;
     use super::*;
-    use nalgebra::Vector3;
 
     #[test]
     fn twice_the_filament_is_twice_the_area() {
         let bead = Bead {
             from: Point3::origin(),
             to: Point3::new(100.0, 0.0, 0.0),
-            direction: Vector3::z(),
+            directions: None,
             width: 1.0,
             height: 0.5,
             filament_mm: 50.0,

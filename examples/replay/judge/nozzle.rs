@@ -46,8 +46,34 @@ impl Nozzle {
         let way = place - pose.tip;
         let height = way.dot(&pose.axis);
         let radius = (way.norm_squared() - height * height).max(0.0).sqrt();
-        let cone = frustum([radius, height], [self.tip, self.cone], [0.0, self.cone_height]);
-        cone.min(frustum([radius, height], [self.block, self.block], [self.cone_height, self.top]))
+        self.cone_distance(radius, height).min(self.block_distance(radius, height))
+    }
+
+    /// Signed distance to the cone, in radius and height. Sizes are millimetres: squares of them neither overflow nor vanish.
+    fn cone_distance(&self, radius: f64, height: f64) -> f64 {
+        let (slope, rise) = (self.cone - self.tip, self.cone_height);
+        let squared = slope * slope + rise * rise;
+        let along = (radius - self.tip) * slope + height * rise;
+        // Beyond an end of it, and out of its side.
+        let (ends, side) = ((-height).max(height - rise), (radius - self.tip) * rise - height * slope);
+        if ends <= 0.0 && side <= 0.0 {
+            return ends.max(side / squared.sqrt());
+        }
+        let square = |x: f64, y: f64| x * x + y * y;
+        let share = (along / squared).clamp(0.0, 1.0);
+        let to_side = square(radius - self.tip - share * slope, height - share * rise);
+        let to_tip = square((radius - self.tip).max(0.0), height);
+        let to_top = square((radius - self.cone).max(0.0), height - rise);
+        to_side.min(to_tip).min(to_top).sqrt()
+    }
+
+    /// The same of the block.
+    fn block_distance(&self, radius: f64, height: f64) -> f64 {
+        let (across, along) = (radius - self.block, (self.cone_height - height).max(height - self.top));
+        if across <= 0.0 || along <= 0.0 {
+            return across.max(along);
+        }
+        (across * across + along * along).sqrt()
     }
 
     /// The lowest point of it above the plane z = 0.
@@ -73,25 +99,6 @@ impl Nozzle {
         };
         [fold(0, f64::min), fold(1, f64::max)]
     }
-}
-
-/// Signed distance to a frustum of a cone, in radius and height.
-fn frustum([radius, height]: [f64; 2], [low, high]: [f64; 2], [begin, end]: [f64; 2]) -> f64 {
-    let (slope, rise) = (high - low, end - begin);
-    let length = slope.hypot(rise);
-    // Along its side, and out of it.
-    let side = ((radius - low) * rise - (height - begin) * slope) / length;
-    let inside = side.max(begin - height).max(height - end);
-    if inside <= 0.0 {
-        return inside;
-    }
-    let to = |a: [f64; 2], b: [f64; 2]| {
-        let way = [b[0] - a[0], b[1] - a[1]];
-        let squared = way[0] * way[0] + way[1] * way[1];
-        let share = (((radius - a[0]) * way[0] + (height - a[1]) * way[1]) / squared).clamp(0.0, 1.0);
-        (radius - a[0] - share * way[0]).hypot(height - a[1] - share * way[1])
-    };
-    to([0.0, begin], [low, begin]).min(to([low, begin], [high, end])).min(to([high, end], [0.0, end]))
 }
 
 #[cfg(test)]

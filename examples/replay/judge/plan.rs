@@ -36,7 +36,9 @@ enum Format {
 #[derive(Clone, Copy, Debug)]
 struct State {
     tip: Option<Point3<f64>>,
-    direction: Vector3<f64>,
+    /// Direction there, and the one that holds now; none before the plan has said any.
+    leant: Option<Vector3<f64>>,
+    direction: Option<Vector3<f64>>,
     /// By tags; 0: not said.
     width: f64,
     height: f64,
@@ -79,7 +81,8 @@ impl<R: BufRead> Plan<R> {
         let Placement { turn, shift_mm: [x, y] } = placement;
         let state = State {
             tip: None,
-            direction: Vector3::z(),
+            leant: None,
+            direction: None,
             width: 0.0,
             height: 0.0,
             filament_mm: 0.0,
@@ -115,7 +118,7 @@ impl<R: BufRead> Plan<R> {
                             (self.state.width, self.state.height) = (number("width_mm")?, number("height_mm")?);
                             self.state.layer = (number("layer")? - 1.0).max(0.0) as u32;
                         }
-                        self.state.direction = direction;
+                        self.state.direction = direction.try_normalize(1e-6);
                         Ok(self.moved(tip, filament))
                     }
                     _ => Ok(None),
@@ -172,8 +175,8 @@ impl<R: BufRead> Plan<R> {
             let mut next = || parts.next().flatten();
             let direction = next().zip(next()).zip(next()).map(|((x, y), z)| Vector3::new(x, y, z));
             let direction = direction.and_then(|direction| direction.try_normalize(1e-6));
-            state.direction =
-                direction.ok_or_else(|| format!("`{comment}` is no direction: three numbers, such as ;DIR:0 0 1"))?;
+            let wrong = || format!("`{comment}` is no direction: three numbers, such as ;DIR:0 0 1");
+            state.direction = Some(direction.ok_or_else(wrong)?);
         } else if let Some(value) = comment.strip_prefix("WIDTH:").and_then(number) {
             state.width = value;
         } else if let Some(value) = comment.strip_prefix("HEIGHT:").and_then(number) {
@@ -191,6 +194,7 @@ impl<R: BufRead> Plan<R> {
     fn moved(&mut self, tip: Point3<f64>, filament_mm: f64) -> Option<Bead> {
         let state = &mut self.state;
         let before = state.tip.replace(tip);
+        let leant = std::mem::replace(&mut state.leant, state.direction);
         let from = before.filter(|from| filament_mm > 0.0 && (tip - from).norm() > 0.0);
         let Some(from) = from else {
             state.is_new = true;
@@ -203,7 +207,7 @@ impl<R: BufRead> Plan<R> {
         Some(Bead {
             from: placed(&from),
             to: placed(&tip),
-            direction: self.turn * state.direction,
+            directions: leant.zip(state.direction).map(|(from, to)| [self.turn * from, self.turn * to]),
             width: or_square(state.width),
             height: or_square(state.height),
             filament_mm,
@@ -244,7 +248,13 @@ mod tests {
             Plan::new(TEXT.as_bytes(), false, Placement::default(), 2.4).unwrap().map(Result::unwrap).collect();
         assert_eq!(beads.len(), 3);
         assert_eq!((beads[0].length(), beads[0].filament_mm, beads[0].width, beads[0].height), (10.0, 2.0, 0.5, 0.3));
-        assert_eq!((beads[1].direction.y, beads[1].to), (0.6, Point3::new(10.0, 5.0, 1.0)));
+        assert_eq!(
+            (beads[1].directions.map(|[from, to]| (from.z, to.y)), beads[1].to),
+            (Some((1.0, 0.6)), Point3::new(10.0, 5.0, 1.0))
+        );
+        let plain =
+            Plan::new("G0 X0 Y0 Z1\nG1 X1 E1".as_bytes(), false, Placement::default(), 2.4).unwrap().next().unwrap();
+        assert_eq!(plain.unwrap().directions, None);
         assert_eq!([0, 1, 2].map(|k| beads[k].path), [0, 0, 1]);
         assert_eq!([0, 1, 2].map(|k| beads[k].layer), [0, 0, 1]);
         // Turned by a quarter about z, then shifted.

@@ -1,8 +1,10 @@
-//! The tip against the plan: how far it is from the planned polyline while it extrudes, in the order of the plan, and what of the plan it leaves out.
+//! The nozzle against the plan: how far the tip is from the planned polyline while it extrudes, in the order of the plan, what of the plan it leaves out, and
+//! whether the nozzle leans as planned.
 //!
 //! The plan is read as the tip goes along: only beads from where it is up to some way ahead are in memory. A place that is not near them is looked for farther
 //! ahead; where it is not there either, the tip is off the plan.
 
+use super::super::axes::NozzlePose;
 use super::super::controller::Tick;
 use super::bead::{Bead, to_chord};
 use super::histogram::Histogram;
@@ -55,6 +57,13 @@ pub struct Tip<'p> {
     pub extruded_mm: f64,
     /// The way that is off by more than is allowed.
     pub off_mm: f64,
+    /// By how much the nozzle leans otherwise than planned, in degrees: weighted by the way, and the worst.
+    pub tilts: Histogram,
+    /// The worst of them.
+    pub tilt: Worst,
+    /// The way on which it is more than is allowed.
+    pub tilted_mm: f64,
+    allowed_deg: f64,
     /// The way between paths.
     pub stray_mm: f64,
     /// Where most of that was at a tick.
@@ -72,8 +81,11 @@ pub struct Tip<'p> {
 }
 
 impl<'p> Tip<'p> {
-    /// Before the first bead; errors of more than `allowed_widths` widths count.
-    pub fn new(plan: Box<dyn Iterator<Item = Result<Bead, String>> + 'p>, allowed_widths: f64) -> Self {
+    /// Before the first bead; errors of more than `allowed_widths` widths count, and of more than `allowed_deg` degrees.
+    pub fn new(
+        plan: Box<dyn Iterator<Item = Result<Bead, String>> + 'p>,
+        [allowed_widths, allowed_deg]: [f64; 2],
+    ) -> Self {
         Tip {
             plan,
             ahead: VecDeque::new(),
@@ -87,6 +99,10 @@ impl<'p> Tip<'p> {
             worst_mm: 0.0,
             extruded_mm: 0.0,
             off_mm: 0.0,
+            tilts: Histogram::default(),
+            tilt: Worst::default(),
+            tilted_mm: 0.0,
+            allowed_deg,
             stray_mm: 0.0,
             stray: Worst::default(),
             planned_mm: 0.0,
@@ -104,7 +120,8 @@ impl<'p> Tip<'p> {
     ///
     /// # Errors
     /// What the reader of the plan says.
-    pub fn take(&mut self, tick: &Tick, tip: &Point3<f64>, way_mm: f64) -> Result<Option<Match>, String> {
+    pub fn take(&mut self, tick: &Tick, pose: &NozzlePose, way_mm: f64) -> Result<Option<Match>, String> {
+        let tip = &pose.tip;
         if !tick.extrudes {
             if self.last.take().is_some() {
                 self.lift();
@@ -123,6 +140,7 @@ impl<'p> Tip<'p> {
                 self.is_at_end = self.left_of_path() < bead.width;
                 self.is_start = false;
                 self.error(tick, tip, &bead, off_mm, way);
+                self.lean(tick, pose, bead.tilt_off(share, &pose.axis).to_degrees(), way);
                 Some(Match { bead, off_mm })
             }
             None => {
@@ -143,6 +161,15 @@ impl<'p> Tip<'p> {
         self.worst.take(share, tick, Some(tip));
         if share > self.allowed_widths {
             self.off_mm += way;
+        }
+    }
+
+    /// The nozzle leans otherwise than planned by so many degrees.
+    fn lean(&mut self, tick: &Tick, pose: &NozzlePose, off_deg: f64, way: f64) {
+        self.tilts.add(off_deg, way.max(1e-9));
+        self.tilt.take(off_deg, tick, Some(&pose.tip));
+        if off_deg > self.allowed_deg {
+            self.tilted_mm += way;
         }
     }
 
@@ -274,6 +301,7 @@ impl<'p> Tip<'p> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     fn beads() -> Vec<Bead> {
         let corner = |x: f64, y: f64| Point3::new(x, y, 0.3);
@@ -284,7 +312,7 @@ mod tests {
         let bead = |path: usize, ends: &[Point3<f64>]| Bead {
             from: ends[0],
             to: ends[1],
-            direction: nalgebra::Vector3::z(),
+            directions: Some([Vector3::z(); 2]),
             width: 1.0,
             height: 0.3,
             filament_mm: 1.0,
@@ -296,7 +324,11 @@ mod tests {
 
     /// Goes along corners, extruding on some of the ways.
     fn judged(ways: &[([f64; 2], bool)]) -> Tip<'static> {
-        let mut judge = Tip::new(Box::new(beads().into_iter().map(Ok)), 0.25);
+        leaning(ways, Vector3::z())
+    }
+
+    fn leaning(ways: &[([f64; 2], bool)], axis: Vector3<f64>) -> Tip<'static> {
+        let mut judge = Tip::new(Box::new(beads().into_iter().map(Ok)), [0.25, 5.0]);
         let mut at = Point3::new(ways[0].0[0], ways[0].0[1], 0.3);
         let mut seconds = 0.0;
         for ([x, y], extrudes) in ways {
@@ -316,7 +348,7 @@ mod tests {
                     streams: true,
                     jumped: false,
                 };
-                judge.take(&tick, &tip, (tip - before).norm()).unwrap();
+                judge.take(&tick, &NozzlePose { tip, axis }, (tip - before).norm()).unwrap();
                 before = tip;
             }
             at = to;
@@ -341,6 +373,14 @@ mod tests {
             "{}",
             judge.extruded_mm
         );
+    }
+
+    #[test]
+    fn a_nozzle_that_leans_otherwise_is_seen_at_the_right_tip() {
+        let axis = Vector3::new(10f64.to_radians().sin(), 0.0, 10f64.to_radians().cos());
+        let judge = leaning(&[([0.0, 0.0], false), ([20.0, 0.0], true)], axis);
+        assert!((judge.tilt.value - 10.0).abs() < 1e-9 && judge.worst_mm < 1e-9, "{:?}", judge.tilt);
+        assert!((judge.tilted_mm - 20.0).abs() < 0.3 && (judge.tilts.quantile(0.5) / 10.0 - 1.0).abs() < 0.05);
     }
 
     #[test]

@@ -1,16 +1,16 @@
 //! A robot or a five-axis printer.
 
 use super::super::axes::{Axes, Limits, NozzlePose};
+use super::five_axis::FiveAxis;
 use super::robot::Robot;
-use super::rotary::Rotary;
 
 /// A machine.
 #[derive(Clone, Debug)]
 pub enum Machine {
     /// An arm.
     Robot(Box<Robot>),
-    /// A printer whose table tilts and turns.
-    Rotary(Box<Rotary>),
+    /// A printer with two rotary axes.
+    FiveAxis(Box<FiveAxis>),
 }
 
 impl Machine {
@@ -18,7 +18,7 @@ impl Machine {
     pub fn name(&self) -> &str {
         match self {
             Machine::Robot(robot) => &robot.name,
-            Machine::Rotary(rotary) => &rotary.name,
+            Machine::FiveAxis(printer) => &printer.name,
         }
     }
 
@@ -26,23 +26,28 @@ impl Machine {
     pub fn axis_names(&self) -> Vec<String> {
         match self {
             Machine::Robot(robot) => (1..=robot.axes()).map(|k| format!("q{k}")).collect(),
-            Machine::Rotary(rotary) => {
-                let letters = ['X', 'Y', 'Z', rotary.tilt.letter, rotary.turn.letter];
-                letters.map(|letter| letter.to_string()).to_vec()
-            }
+            Machine::FiveAxis(printer) => printer.letters.iter().map(char::to_string).collect(),
         }
     }
 
     /// Whether an axis turns, so that its unit is the radian.
     pub fn turns(&self, axis: usize) -> bool {
-        matches!(self, Machine::Robot(_)) || axis >= 3
+        axis >= self.linear()
+    }
+
+    /// How many of its axes are linear: they come first.
+    pub fn linear(&self) -> usize {
+        match self {
+            Machine::Robot(_) => 0,
+            Machine::FiveAxis(printer) => printer.linear,
+        }
     }
 
     /// Its limits.
     pub fn limits(&self) -> &Limits {
         match self {
             Machine::Robot(robot) => &robot.limits,
-            Machine::Rotary(rotary) => &rotary.limits,
+            Machine::FiveAxis(printer) => &printer.limits,
         }
     }
 
@@ -50,7 +55,7 @@ impl Machine {
     pub fn nozzle_on_part(&self, axes: &Axes) -> NozzlePose {
         match self {
             Machine::Robot(robot) => robot.nozzle_on_part(axes),
-            Machine::Rotary(rotary) => rotary.nozzle_on_part(axes),
+            Machine::FiveAxis(printer) => printer.nozzle_on_part(axes),
         }
     }
 }

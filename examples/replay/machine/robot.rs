@@ -8,6 +8,7 @@ use curvlay_kinematics::workcell::{
 };
 use curvlay_kinematics::{ArmModel, DhTable, Geometry, JointLimits, OrthoLengths, PositionerModel, robots};
 use nalgebra::{Point3, Vector3};
+use std::f64::consts::PI;
 
 /// Why a workcell is no machine.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -113,13 +114,16 @@ fn unit(field: &'static str, vector: [f64; 3]) -> Result<Vector3<f64>, RobotFaul
     Vector3::from(vector).try_normalize(1e-12).ok_or(RobotFault::Direction { field })
 }
 
-/// A frame with its origin at the tip and z against the flow. How it turns about z is of no consequence: the nozzle is round.
+/// A frame with its origin at the tip and z against the flow, turned from the one that carries it by the shortest way: so are the targets of programs.
 fn nozzle_of(model: &NozzleModel) -> Result<Frame, RobotFault> {
     each("nozzle.tip_mm", &model.tip_mm)?;
     let z = -unit("nozzle.flow", model.flow)?;
-    let aside = if z.x.abs() < 0.5 { Vector3::x() } else { Vector3::y() };
-    let y = z.cross(&aside).normalize();
-    let turn = nalgebra::Matrix3::from_columns(&[y.cross(&z), y, z]);
+    let about = Vector3::z().cross(&z);
+    let turn = match about.try_normalize(1e-12) {
+        Some(axis) => Frame::rotation(&axis, about.norm().atan2(z.z)).turn,
+        // Half a turn about x, or none.
+        None => Frame::rotation(&Vector3::x(), if z.z < 0.0 { PI } else { 0.0 }).turn,
+    };
     Ok(Frame { turn, at: model.tip_mm.into() })
 }
 
@@ -291,9 +295,10 @@ impl Robot {
         if self.table.is_some() { 8 } else { 6 }
     }
 
-    /// The frames of the workcell: the nozzle as the tool, the part as the work object.
+    /// The frames of the workcell: the nozzle as the tool, with z along the flow as controllers have it, and the part as the work object.
     pub fn frames(&self) -> ToolFrames {
-        let (tool, work, on_table) = (self.nozzle, self.part, self.table.is_some());
+        let tool = self.nozzle.then(&Frame::rotation(&Vector3::x(), PI));
+        let (work, on_table) = (self.part, self.table.is_some());
         ToolFrames { part_in_hand: self.holds_part, tool, work, on_table }
     }
 
@@ -389,6 +394,10 @@ mod tests {
                 let Some(expected) = expected else { continue };
                 let pose = robot.nozzle_on_part(&axes);
                 prop_assert!((pose.tip.coords - expected.translation.vector).norm() < 1e-9, "{}", robot.name);
+                // Targets of the library are poses of this frame.
+                let target = curvlay_kinematics::workcell::tool_frame(&expected);
+                let own = robot.target_at(&robot.frames(), &axes);
+                prop_assert!((own.turn - Frame::from(&target).turn).norm() < 1e-9, "{}", robot.name);
                 prop_assert!((pose.axis - expected * Vector3::z()).norm() < 1e-12, "{}", robot.name);
             }
         }

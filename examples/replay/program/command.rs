@@ -1,6 +1,6 @@
 //! What a program asks for: plain data between readers and the model of the controller.
 
-use super::super::axes::{Axes, Frame};
+use super::super::axes::{Axes, Frame, NozzlePose};
 
 /// Where a command stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,8 +14,10 @@ pub struct Place {
 /// Where a move ends, and by which way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// All axes arrive together: `MoveAbsJ`, `movej` to joints, G-code.
+    /// All axes arrive together: `MoveAbsJ`, `movej` to joints, G-code. On a printer whose controller knows the tip they are the tip and the readings of rotary axes.
     Axes(Axes),
+    /// Tip and direction of the nozzle on the part: G-code with vectors.
+    Nozzle(NozzlePose),
     /// The same to a pose of the tool.
     Pose(Target),
     /// The tool goes in a straight line.
@@ -75,6 +77,8 @@ pub struct Motion {
     pub zone: Zone,
     /// Filament that goes into the nozzle on the way, in millimetres, where the move says so.
     pub filament_mm: f64,
+    /// Whether the move says that material comes out on the way.
+    pub extrudes: bool,
 }
 
 /// A signal to the extruder.

@@ -11,10 +11,44 @@ pub enum Kind {
     UrScript,
     /// RAPID: a main module, which loads the others.
     Rapid,
+    /// KRL: a main module with its data list, which calls the others.
+    Krl,
+    /// TP as ASCII: a main program, which calls the others.
+    Tp,
     /// Steps as CSV.
     Csv,
     /// G-code with the axes of a machine.
     Gcode,
+}
+
+impl Kind {
+    /// What a report calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::UrScript => "URScript",
+            Kind::Rapid => "RAPID",
+            Kind::Krl => "KRL",
+            Kind::Tp => "TP",
+            Kind::Csv => "CSV",
+            Kind::Gcode => "G-code",
+        }
+    }
+
+    /// Whether its main file opens others.
+    fn has_parts(self) -> bool {
+        matches!(self, Kind::Rapid | Kind::Krl | Kind::Tp)
+    }
+}
+
+/// Which program of a folder is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// That of the robot, or else that of the printer.
+    Any,
+    /// G-code with the axes of a machine.
+    Axes,
+    /// G-code with directions.
+    Vectors,
 }
 
 /// A program.
@@ -22,9 +56,15 @@ pub enum Kind {
 pub struct Files {
     /// Its format.
     pub kind: Kind,
-    /// Its files, in the order in which they run; of RAPID the main module alone.
+    /// Its files, in the order in which they run; of RAPID, KRL and TP the main ones alone.
     pub paths: Vec<PathBuf>,
+    /// Other programs in the folder, which are not replayed.
+    pub others: Vec<String>,
 }
+
+/// G-code in the part, and with axes, as `curved_layers` names them.
+pub const PART: &str = "toolpath.gcode";
+pub const AXES: &str = "toolpath-axes.gcode";
 
 /// The format of a file, by its name.
 fn kind(path: &Path) -> Option<Kind> {
@@ -32,6 +72,8 @@ fn kind(path: &Path) -> Option<Kind> {
     Some(match extension.as_str() {
         "script" | "urscript" => Kind::UrScript,
         "mod" | "modx" | "prg" => Kind::Rapid,
+        "src" => Kind::Krl,
+        "ls" => Kind::Tp,
         "csv" => Kind::Csv,
         "gcode" | "g" | "gco" | "nc" | "ngc" | "tap" => Kind::Gcode,
         _ => return None,
@@ -42,18 +84,18 @@ fn kind(path: &Path) -> Option<Kind> {
 ///
 /// # Errors
 /// A [`Failure`] that names the path and says what would do.
-pub fn find(paths: &[PathBuf]) -> Result<Files, Failure> {
+pub fn find(paths: &[PathBuf], wanted: Wanted) -> Result<Files, Failure> {
     if let [folder] = paths
         && folder.is_dir()
     {
-        return in_folder(folder);
+        return in_folder(folder, wanted);
     }
     let mut kinds = Vec::new();
     for path in paths {
         let known = kind(path).ok_or_else(|| {
             fault(
                 path,
-                &"is no program by its name (known: .script, .mod, .csv, .gcode, .ngc, .nc, or a folder of them)",
+                &"is no program by its name (known: .script, .mod, .src, .ls, .csv, .gcode, .ngc, .nc, or a folder of them)",
             )
         })?;
         kinds.push(known);
@@ -62,19 +104,40 @@ pub fn find(paths: &[PathBuf]) -> Result<Files, Failure> {
     if let Some(other) = kinds.iter().position(|kind| *kind != first) {
         return Err(fault(&paths[other], &"is of another format than the first file: replay one format at a time"));
     }
-    if first == Kind::Rapid && paths.len() > 1 {
-        return Err(fault(
-            &paths[1],
-            &"RAPID is replayed from its main module, which loads the others: name that alone",
-        ));
+    let is_part = |path: &&PathBuf| {
+        let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        stem.rsplit_once('_').is_some_and(|(_, end)| end.len() == 3 && end.bytes().all(|byte| byte.is_ascii_digit()))
+    };
+    if let Some(part) = paths.iter().skip(1).find(is_part).filter(|_| first.has_parts()) {
+        let what = format!("{} is replayed from its main file, which opens the others: name that alone", first.name());
+        return Err(fault(part, &what));
     }
-    Ok(Files { kind: first, paths: paths.to_vec() })
+    Ok(Files { kind: first, paths: paths.to_vec(), others: Vec::new() })
 }
 
-/// The robot program in a folder, or else its G-code.
-fn in_folder(folder: &Path) -> Result<Files, Failure> {
+/// A program of a folder, by its name.
+type Found = (String, Kind, PathBuf);
+
+/// The number of a main file: 0 for `print.mod`, 2 for `print2.mod`.
+fn number_of_main(name: &str) -> Option<u32> {
+    let rest = name.split_once('.')?.0.strip_prefix("print")?;
+    if rest.is_empty() { Some(0) } else { rest.parse().ok() }
+}
+
+/// Whether a file of a folder begins a program, and its place among them.
+fn begins((name, kind, _): &Found) -> Option<u32> {
+    match kind {
+        Kind::UrScript => Some(0),
+        Kind::Rapid | Kind::Krl | Kind::Tp => number_of_main(name),
+        Kind::Csv => name.starts_with("print_").then_some(0),
+        Kind::Gcode => None,
+    }
+}
+
+/// The robot program in a folder, or else its G-code; G-code where that is wanted.
+fn in_folder(folder: &Path, wanted: Wanted) -> Result<Files, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|error| fault(folder, &error))?;
-    let mut all = Vec::new();
+    let mut all: Vec<Found> = Vec::new();
     for entry in entries {
         let path = entry.map_err(|error| fault(folder, &error))?.path();
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
@@ -83,26 +146,48 @@ fn in_folder(folder: &Path) -> Result<Files, Failure> {
         }
     }
     all.sort();
-    let of = |wanted: Kind, fits: &dyn Fn(&str) -> bool| -> Vec<PathBuf> {
-        let found = all.iter().filter(|(name, kind, _)| *kind == wanted && fits(name));
-        found.map(|(_, _, path)| path.clone()).collect()
+    let mut mains: Vec<(u32, Found)> =
+        all.iter().filter_map(|file| begins(file).map(|number| (number, file.clone()))).collect();
+    mains.sort_by_key(|(number, _)| *number);
+    let gcode: Vec<&Found> = all.iter().filter(|(_, kind, _)| *kind == Kind::Gcode).collect();
+    let chosen: Vec<Found> = match wanted {
+        Wanted::Any if !mains.is_empty() => mains.iter().map(|(_, file)| file.clone()).collect(),
+        _ => vec![one_of_gcode(folder, &gcode, wanted)?.clone()],
     };
-    let choices = [
-        (Kind::UrScript, of(Kind::UrScript, &|_| true)),
-        (Kind::Rapid, of(Kind::Rapid, &|name| name == "print.mod")),
-        (Kind::Csv, of(Kind::Csv, &|name| name.starts_with("print_"))),
-    ];
-    let robots: Vec<_> = choices.into_iter().filter(|(_, paths)| !paths.is_empty()).collect();
-    if robots.len() > 1 {
+    let kind = chosen[0].1;
+    if chosen.iter().any(|(_, other, _)| *other != kind) {
         return Err(fault(folder, &"has robot programs in several formats: name the files of one"));
     }
-    if let Some((kind, paths)) = robots.into_iter().next() {
-        return Ok(Files { kind, paths });
+    let is_left = |file: &&Found| !chosen.contains(file) && file.0 != PART;
+    let others = mains.iter().map(|(_, file)| file).chain(gcode.iter().copied()).filter(is_left);
+    let others = others.map(|(name, _, _)| name.clone()).collect();
+    Ok(Files { kind, paths: chosen.into_iter().map(|(_, _, path)| path).collect(), others })
+}
+
+/// The file of G-code that is meant.
+fn one_of_gcode<'f>(folder: &Path, all: &[&'f Found], wanted: Wanted) -> Result<&'f Found, Failure> {
+    let named = |wanted: &str| all.iter().copied().find(|(name, _, _)| name == wanted);
+    match wanted {
+        Wanted::Vectors => {
+            return named(PART).ok_or_else(|| fault(folder, &format!("has no {PART}, which the flavour writes")));
+        }
+        Wanted::Axes => {
+            if let Some(file) = named(AXES) {
+                return Ok(file);
+            }
+        }
+        Wanted::Any => {}
     }
-    let gcode = of(Kind::Gcode, &|name| name != "toolpath.gcode");
-    match gcode.len() {
-        0 => Err(fault(folder, &"has no program (print_001.script, print.mod, print_001.csv or toolpath-bc.gcode)")),
-        1 => Ok(Files { kind: Kind::Gcode, paths: gcode }),
+    let others: Vec<&Found> = all.iter().copied().filter(|(name, _, _)| name != PART).collect();
+    // Without the file of its machine that of the table is left.
+    let of_table: Vec<&Found> = others.iter().copied().filter(|(name, _, _)| name != AXES).collect();
+    let others = if wanted == Wanted::Any && !of_table.is_empty() { of_table } else { others };
+    match others.as_slice() {
+        [] => Err(fault(
+            folder,
+            &"has no program (print_001.script, print.mod, print.src, print.ls, print_001.csv, toolpath-axes.gcode or toolpath-bc.gcode)",
+        )),
+        [file] => Ok(file),
         _ => Err(fault(folder, &"has several files of G-code: name one")),
     }
 }

@@ -1,6 +1,6 @@
-//! G-code of five-axis printers, as their controllers take it: `G0` and `G1` with `X Y Z`, the letters of the rotary axes, `E` and `F`, under `G93` and `G94`.
+//! Plain G-code of five-axis printers, of no flavour in particular: `G0` and `G1` with the letters of the machine, `E` and `F`, under `G93` and `G94`.
 //!
-//! F under `G94` is the speed of `X Y Z`, or of rotary axes alone in degrees a minute (LinuxCNC's rule). A `G0` goes as fast as its F says, as in Marlin, or
+//! F under `G94` is the speed of the linear axes, or of rotary axes alone in degrees a minute (LinuxCNC's rule). A `G0` goes as fast as its F says, as in Marlin, or
 //! as fast as the axes may where no F stands before it.
 
 use super::super::axes::Axes;
@@ -39,6 +39,17 @@ pub enum GcodeFault {
     },
 }
 
+/// What plain G-code does not say itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dialect {
+    /// The letters of the axes, linear ones first.
+    pub letters: Vec<char>,
+    /// How many are linear.
+    pub linear: usize,
+    /// Seconds in one P of `G4`: a thousandth for Marlin, RepRapFirmware and Klipper, 1 for RS274/NGC.
+    pub dwell_s: f64,
+}
+
 /// A file of G-code, command by command, in constant memory.
 pub struct GcodeProgram<R> {
     reader: R,
@@ -46,7 +57,7 @@ pub struct GcodeProgram<R> {
     line: u64,
     text: Vec<u8>,
     words: Vec<(char, f64)>,
-    letters: [char; 2],
+    dialect: Dialect,
     modes: Modes,
     /// Axes, once a move has said them.
     at: Option<Axes>,
@@ -66,8 +77,8 @@ struct Modes {
 }
 
 impl<R: BufRead> GcodeProgram<R> {
-    /// Begins to read. `letters` are those of the tilting and of the turning axis.
-    pub fn new(reader: R, file: u32, letters: [char; 2]) -> Self {
+    /// Begins to read.
+    pub fn new(reader: R, file: u32, dialect: Dialect) -> Self {
         let modes = Modes {
             unit_mm: 1.0,
             is_relative: false,
@@ -77,7 +88,7 @@ impl<R: BufRead> GcodeProgram<R> {
             motion: None,
         };
         let (text, words) = (Vec::new(), Vec::new());
-        GcodeProgram { reader, file, line: 0, text, words, letters, modes, at: None, filament_mm: 0.0, feed: None }
+        GcodeProgram { reader, file, line: 0, text, words, dialect, modes, at: None, filament_mm: 0.0, feed: None }
     }
 
     /// The next command; `None` at the end.
@@ -118,7 +129,7 @@ impl<R: BufRead> GcodeProgram<R> {
         self.words = words_found;
         if comment.is_some_and(|comment| comment.starts_with("DIR:")) {
             return Err(self.refused(
-                "directions in the part: no machine takes them; replay the file with its axes (curved_layers --rotary)",
+                "directions in the part: no machine takes them; replay the file with its axes (curved_layers --machine or --rotary)",
             ));
         }
         Ok(true)
@@ -142,9 +153,11 @@ impl<R: BufRead> GcodeProgram<R> {
             match letter {
                 'G' => other = other.or(self.general(code)?),
                 'M' if code == 820 || code == 830 => self.modes.is_filament_relative = code == 830,
-                'A' | 'B' | 'C' | 'U' | 'V' | 'W' if !self.letters.contains(&letter) => {
-                    let [tilt, turn] = self.letters;
-                    return Err(self.refused(format!("the machine has no axis {letter}, its rotary axes are {tilt} and {turn}: describe it with --machine")));
+                'A' | 'B' | 'C' | 'U' | 'V' | 'W' | 'X' | 'Y' | 'Z' if !self.dialect.letters.contains(&letter) => {
+                    return Err(self.refused(format!(
+                        "the machine has no axis {letter}, its axes are {}: describe it with --machine, or name the --flavour",
+                        self.dialect.letters.iter().collect::<String>()
+                    )));
                 }
                 _ => {}
             }
@@ -167,7 +180,7 @@ impl<R: BufRead> GcodeProgram<R> {
                 Ok(None)
             }
             Some(Other::Wait) => {
-                let seconds = self.word('S').or(self.word('P').map(|ms| ms * 1e-3)).unwrap_or(0.0);
+                let seconds = self.word('S').or(self.word('P').map(|p| p * self.dialect.dwell_s)).unwrap_or(0.0);
                 Ok((seconds > 0.0).then_some(Command::Rest(seconds)))
             }
             None => self.motion(),
@@ -208,8 +221,8 @@ impl<R: BufRead> GcodeProgram<R> {
     }
 
     fn motion(&mut self) -> Result<Option<Command>, GcodeFault> {
-        let letters = ['X', 'Y', 'Z', self.letters[0], self.letters[1]];
-        let said: [Option<f64>; 5] = letters.map(|letter| self.word(letter));
+        let said: Vec<Option<f64>> = self.dialect.letters.iter().map(|&letter| self.word(letter)).collect();
+        let linear = self.dialect.linear;
         let filament = self.filament();
         let Some(motion) = self.modes.motion.filter(|_| filament.is_some() || said.iter().any(Option::is_some)) else {
             return Ok(None);
@@ -223,15 +236,16 @@ impl<R: BufRead> GcodeProgram<R> {
             };
             return Ok((seconds > 0.0).then_some(Command::Rest(seconds)));
         }
-        if self.at.is_none() && !self.modes.is_relative && said[..3].iter().any(Option::is_none) {
-            return Err(self.refused(
-                "where the machine is is not known: the first move, and the one behind G28, needs X, Y and Z",
-            ));
+        if self.at.is_none() && !self.modes.is_relative && said[..linear].iter().any(Option::is_none) {
+            let letters: String = self.dialect.letters[..linear].iter().collect();
+            return Err(self.refused(format!(
+                "where the machine is is not known: the first move, and the one behind G28, needs {letters}"
+            )));
         }
         let mut axes = self.at.unwrap_or([0.0; 8]);
         for (k, value) in said.iter().enumerate() {
             if let Some(value) = value {
-                let value = if k < 3 { value * self.modes.unit_mm } else { value.to_radians() };
+                let value = if k < linear { value * self.modes.unit_mm } else { value.to_radians() };
                 axes[k] = if self.modes.is_relative { axes[k] + value } else { value };
             }
         }
@@ -244,7 +258,14 @@ impl<R: BufRead> GcodeProgram<R> {
             (_, None) => return Err(self.refused("a move without a feed: F is missing")),
         };
         let zone = if self.modes.stops { Zone::Stop } else { Zone::Tolerance };
-        Ok(Some(Command::Move(Motion { goal: Goal::Axes(axes), speed, zone, filament_mm: filament.max(0.0) })))
+        let filament_mm = filament.max(0.0);
+        Ok(Some(Command::Move(Motion {
+            goal: Goal::Axes(axes),
+            speed,
+            zone,
+            filament_mm,
+            extrudes: filament_mm > 0.0,
+        })))
     }
 
     /// By how much the filament moves.
@@ -268,8 +289,12 @@ enum Other {
 mod tests {
     use super::*;
 
+    fn dialect() -> Dialect {
+        Dialect { letters: "XYZBC".chars().collect(), linear: 3, dwell_s: 1e-3 }
+    }
+
     fn all(text: &str) -> Result<Vec<(u64, Command)>, String> {
-        let mut program = GcodeProgram::new(text.as_bytes(), 0, ['B', 'C']);
+        let mut program = GcodeProgram::new(text.as_bytes(), 0, dialect());
         let mut found = Vec::new();
         while let Some((place, command)) = program.next_command().map_err(|fault| fault.to_string())? {
             found.push((place.step, command));
@@ -294,6 +319,10 @@ mod tests {
         assert_eq!((found[5].0, motion(5).2), (11, 0.25));
         assert_eq!(found[6].1, Command::Rest(0.5));
         assert!((motion(7).0[0] - 5.0).abs() < 1e-12);
+        // RS274/NGC counts seconds.
+        let ngc = Dialect { dwell_s: 1.0, ..dialect() };
+        let rest = GcodeProgram::new("G4 P2".as_bytes(), 0, ngc).next_command().unwrap();
+        assert_eq!(rest.map(|(_, command)| command), Some(Command::Rest(2.0)));
     }
 
     #[test]
@@ -301,10 +330,10 @@ mod tests {
         let fault = |text: &str| all(text).unwrap_err();
         assert!(fault("G1 X1 Y0 Z0 F100\nG2 X1 Y1 I5").starts_with("line 2: G2 is not modelled"));
         assert!(fault("G43.4 H1").contains("G43.4"));
-        assert!(fault("G1 X1 A5 F100").contains("no axis A, its rotary axes are B and C"));
+        assert!(fault("G1 X1 A5 F100").contains("no axis A, its axes are XYZBC"));
         assert!(fault("G1 X1 Y0 Z0").contains("F is missing"));
         assert!(fault("G93\nG1 X1 Y0 Z0 F10\nG1 X2").starts_with("line 3: under G93"));
-        assert!(fault("G1 X1 F100").contains("needs X, Y and Z"));
+        assert!(fault("G1 X1 F100").contains("needs XYZ"));
         assert!(fault("G1 X F100").starts_with("line 1, column 5: expected a number behind `X`"));
         assert!(fault("G1 X1 ;DIR:0 0 1").contains("--rotary"));
         assert!(fault("G92 X0").contains("G92 of a machine axis"));

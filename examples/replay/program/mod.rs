@@ -1,12 +1,15 @@
-//! Programs as commands, whatever their format: `robot` takes URScript, RAPID and CSV, `gcode` G-code, `files` finds them.
+//! Programs as commands, whatever their format: `robot` takes URScript, RAPID, KRL, TP and CSV, `gcode` plain G-code, `flavour` G-code in a flavour, `files` finds
+//! them.
 
 pub mod command;
 mod files;
+mod flavour;
 pub mod gcode;
 mod numbers;
 mod robot;
 
-pub use files::{Files, Kind, find};
-pub use gcode::GcodeProgram;
+pub use files::{AXES, Files, Kind, PART, Wanted, find};
+pub use flavour::{FlavourProgram, fitted};
+pub use gcode::{Dialect, GcodeProgram};
 pub use numbers::words as gcode_words;
 pub use robot::{RobotProgram, Source};

@@ -1,9 +1,11 @@
-//! Robot programs: URScript, RAPID, CSV. The readers of the library give their steps; here these become commands for the model.
+//! Robot programs: URScript, RAPID, KRL, TP, CSV. The readers of the library give their steps; here these become commands for the model.
 
 use super::super::axes::{Axes, Frame};
 use super::super::machine::ToolFrames;
 use super::command::{self, Command, Motion, Place, Signal, Target, Zone};
-use curvlay_kinematics::program::{self, CsvReader, Goal, Step, UrScriptReader, read_rapid};
+use curvlay_kinematics::program::{
+    self, CsvReader, Goal, ReadError, Step, UrScriptReader, read_krl, read_rapid, read_tp,
+};
 use std::cell::Cell;
 use std::io::BufRead;
 
@@ -23,17 +25,20 @@ pub enum Source {
 enum Rules {
     Ur,
     Abb,
+    Kuka,
+    Fanuc,
 }
 
 /// Programs as commands.
 pub struct RobotProgram<'g> {
     give: &'g mut dyn FnMut(Source) -> Result<(), String>,
+    has_table: bool,
 }
 
 impl<'g> RobotProgram<'g> {
-    /// Gives everything to `give`, which may refuse it.
-    pub fn new(give: &'g mut dyn FnMut(Source) -> Result<(), String>) -> Self {
-        RobotProgram { give }
+    /// Gives everything to `give`, which may refuse it. `has_table`: whether the workcell has a table that tilts and turns.
+    pub fn new(give: &'g mut dyn FnMut(Source) -> Result<(), String>, has_table: bool) -> Self {
+        RobotProgram { give, has_table }
     }
 
     /// A file of URScript.
@@ -70,7 +75,10 @@ impl<'g> RobotProgram<'g> {
         Ok(())
     }
 
-    /// A RAPID program; `open` gives the modules that it loads, by their names.
+    /// A RAPID program; `open` gives the modules that it loads, by their names. Its files have numbers from `file` on.
+    ///
+    /// # Returns
+    /// How many files it has.
     ///
     /// # Errors
     /// As [`RobotProgram::urscript`].
@@ -78,7 +86,8 @@ impl<'g> RobotProgram<'g> {
         &mut self,
         main: impl BufRead,
         mut open: impl FnMut(&str) -> std::io::Result<R>,
-    ) -> Result<(), String> {
+        file: u32,
+    ) -> Result<u32, String> {
         let loads = Cell::new(0u32);
         let opening = |name: &str| {
             loads.set(loads.get() + 1);
@@ -95,7 +104,7 @@ impl<'g> RobotProgram<'g> {
             on_table: work.is_some_and(|work| work.unit.is_some()),
         };
         (self.give)(Source::Frames(frames))?;
-        let (mut file, mut step, mut acceleration) = (0, 0, None);
+        let (mut at, mut acceleration) = (Steps::new(file), None);
         while let Some(found) = program.next() {
             let found = found.map_err(|error| error.to_string())?;
             let now = program.acceleration().and_then(|all| all.path_m_s2);
@@ -103,18 +112,94 @@ impl<'g> RobotProgram<'g> {
                 acceleration = now;
                 now.map_or(Ok(()), |m_s2| (self.give)(Source::Acceleration(m_s2 * 1000.0)))?;
             }
-            if loads.get() != file {
-                (file, step) = (loads.get(), 0);
-            }
-            step += 1;
-            self.step(Rules::Abb, Place { file, step }, &found)?;
+            self.step(Rules::Abb, at.next(loads.get()), &found)?;
         }
-        Ok(())
+        Ok(1 + loads.get())
+    }
+
+    /// A KRL program of a main module and its data list; `open` gives the modules that it calls.
+    ///
+    /// # Returns
+    /// How many files it has, besides the data list.
+    ///
+    /// # Errors
+    /// As [`RobotProgram::urscript`].
+    pub fn krl<R: BufRead>(
+        &mut self,
+        [data, main]: [impl BufRead; 2],
+        mut open: impl FnMut(&str) -> std::io::Result<R>,
+        file: u32,
+    ) -> Result<u32, String> {
+        let loads = Cell::new(0u32);
+        let opening = |name: &str| {
+            loads.set(loads.get() + 1);
+            open(name)
+        };
+        let mut program = read_krl(data, main, opening).map_err(|error| error.to_string())?;
+        // What carries the frames is known from the first step on.
+        let mut step = program.next();
+        let [first, second] = program.frames().map(|frame| Frame::from(&frame));
+        let part_in_hand = program.part_in_hand();
+        let (tool, work) = if part_in_hand { (second, first) } else { (first, second) };
+        let on_table = program.kinematic().is_some();
+        (self.give)(Source::Frames(ToolFrames { part_in_hand, tool, work, on_table }))?;
+        let mut at = Steps::new(file);
+        while let Some(found) = step {
+            let found = found.map_err(|error| error.to_string())?;
+            self.step(Rules::Kuka, at.next(loads.get()), &found)?;
+            step = program.next();
+        }
+        Ok(1 + loads.get())
+    }
+
+    /// A TP program of a main and the programs that it calls. Its positions refer to frames that are measured in the controller: `frames` are those of the workcell.
+    ///
+    /// # Returns
+    /// How many files it has.
+    ///
+    /// # Errors
+    /// As [`RobotProgram::urscript`].
+    pub fn tp<R: BufRead>(
+        &mut self,
+        main: impl BufRead,
+        mut open: impl FnMut(&str) -> std::io::Result<R>,
+        file: u32,
+        frames: ToolFrames,
+    ) -> Result<u32, String> {
+        let loads = Cell::new(0u32);
+        let opening = |name: &str| {
+            loads.set(loads.get() + 1);
+            open(name)
+        };
+        let program = read_tp(main, opening).map_err(|error| error.to_string())?;
+        if program.part_in_hand() != frames.part_in_hand {
+            let [who, other] = if frames.part_in_hand { ["part", "nozzle"] } else { ["nozzle", "part"] };
+            return Err(format!(
+                "the robot holds the {other} in the program, and the {who} in the workcell: name the right --workcell"
+            ));
+        }
+        (self.give)(Source::Frames(frames))?;
+        let mut at = Steps::new(file);
+        for found in program {
+            let found = found.map_err(|error: ReadError| error.to_string())?;
+            self.step(Rules::Fanuc, at.next(loads.get()), &found)?;
+        }
+        Ok(1 + loads.get())
     }
 
     fn step(&mut self, rules: Rules, place: Place, step: &Step) -> Result<(), String> {
         let command = match step {
-            Step::Move(found) => Command::Move(motion(rules, found)),
+            Step::Move(found) => {
+                if let Some(external) = found.table.filter(|external| !self.has_table || external.table().is_none()) {
+                    let count = external.axes().iter().flatten().count();
+                    let has = if self.has_table { "tilt and turn of a table" } else { "no table" };
+                    return Err(format!(
+                        "step {}: the move has {count} external axes, the workcell {has}: name the right --workcell",
+                        place.step
+                    ));
+                }
+                Command::Move(motion(rules, found))
+            }
             Step::Servo { joints, seconds } => Command::Servo { axes: axes(joints, None), seconds: *seconds },
             Step::Extruder(on) => Command::Signal(Signal::Extruder(*on)),
             Step::FilamentSpeed(mm_s) => Command::Signal(Signal::Filament(*mm_s)),
@@ -122,6 +207,27 @@ impl<'g> RobotProgram<'g> {
             Step::Signal { .. } | Step::Wait(_) => return Ok(()),
         };
         (self.give)(Source::Command(place, command))
+    }
+}
+
+/// Counts steps in each file of a program.
+struct Steps {
+    first: u32,
+    place: Place,
+}
+
+impl Steps {
+    fn new(first: u32) -> Self {
+        Steps { first, place: Place { file: first, step: 0 } }
+    }
+
+    /// The place of a step that was read when so many files had been opened beside the main one.
+    fn next(&mut self, opened: u32) -> Place {
+        if self.place.file != self.first + opened {
+            self.place = Place { file: self.first + opened, step: 0 };
+        }
+        self.place.step += 1;
+        self.place
     }
 }
 
@@ -139,18 +245,21 @@ fn motion(rules: Rules, found: &program::Move) -> Motion {
         Target { pose: Frame::from(&target.pose), table, quarters }
     };
     let program::Speed { mm_s, rad_s } = found.speed;
-    let tool = command::Speed::Tool { mm_s, rad_s };
-    let (goal, speed) = match (&found.goal, rules) {
-        (Goal::Joints(joints), Rules::Ur) => (command::Goal::Axes(axes(joints, table)), command::Speed::Joints(rad_s)),
-        (Goal::Joints(joints), Rules::Abb) => (command::Goal::Axes(axes(joints, table)), tool),
-        (Goal::JointMove(to), Rules::Ur) => (command::Goal::Pose(target(to)), command::Speed::Joints(rad_s)),
-        (Goal::JointMove(to), Rules::Abb) => (command::Goal::Pose(target(to)), tool),
-        (Goal::Line(to), Rules::Ur) => (command::Goal::Line(target(to)), command::Speed::Linear(mm_s)),
-        (Goal::Line(to), Rules::Abb) => (command::Goal::Line(target(to)), tool),
+    let goal = match &found.goal {
+        Goal::Joints(joints) => command::Goal::Axes(axes(joints, table)),
+        Goal::JointMove(to) => command::Goal::Pose(target(to)),
+        Goal::Line(to) => command::Goal::Line(target(to)),
+    };
+    let is_line = matches!(found.goal, Goal::Line(_));
+    let speed = match rules {
+        Rules::Abb => command::Speed::Tool { mm_s, rad_s },
+        Rules::Kuka if is_line => command::Speed::Tool { mm_s, rad_s },
+        Rules::Ur | Rules::Fanuc if is_line => command::Speed::Linear(mm_s),
+        Rules::Ur | Rules::Kuka | Rules::Fanuc => command::Speed::Joints(rad_s),
     };
     let zone = match found.zone {
         program::Zone::Stop => Zone::Stop,
         program::Zone::Blend(radius) => Zone::Radius(radius),
     };
-    Motion { goal, speed, zone, filament_mm: 0.0 }
+    Motion { goal, speed, zone, filament_mm: 0.0, extrudes: false }
 }

@@ -1,4 +1,8 @@
-//! The example `replay`: small programs of each format with known answers, the same with one fault each, bad input.
+//! The example `replay`: small programs of each format with known answers, the same with one fault each, bad input. `machines` has programs of five-axis
+//! machines in flavours, `robots` those of KUKA and Fanuc arms and runs that have recorded their workcell.
+
+mod machines;
+mod robots;
 
 // `main` and what it prints are of no use here.
 #[allow(dead_code)]
@@ -14,7 +18,7 @@ use curvlay_kinematics::workcell::AnyWorkcell;
 use curvlay_kinematics::{Arm, Positioner};
 use curvlay_toolpath::gcode::RotaryTable;
 use example::Args;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,6 +52,10 @@ fn file(folder: &Path, name: &str, text: &str) -> String {
 
 fn cell(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cells").join(name).to_str().unwrap().to_owned()
+}
+
+fn machine_file(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("machines/{name}.json")).to_str().unwrap().to_owned()
 }
 
 /// The plan in the part, as `curvlay_layers` has it.
@@ -105,7 +113,10 @@ struct Postures {
 
 impl Postures {
     fn new(name: &str, first: [f64; 6]) -> Self {
-        let cell = AnyWorkcell::from_json(fs::read(cell(name)).unwrap().as_slice()).unwrap();
+        Postures::of(&AnyWorkcell::from_json(fs::read(cell(name)).unwrap().as_slice()).unwrap(), first)
+    }
+
+    fn of(cell: &AnyWorkcell, first: [f64; 6]) -> Self {
         let equipment = cell.equipment();
         let table =
             equipment.positioner().map_or_else(Isometry3::identity, |table: &Positioner| table.forward(&[0.0; 2]));
@@ -360,12 +371,25 @@ fn fine() -> Vec<Vec<[f64; 3]>> {
     paths().iter().map(|path| std::iter::once(path[0]).chain(path.windows(2).flat_map(step)).collect()).collect()
 }
 
+/// The file of the machine that is the default, changed.
+fn bc_table(change: impl FnOnce(&mut Value, &mut Value)) -> String {
+    let mut file: Value = serde_json::from_str(include_str!("../../replay/machine/table.json")).unwrap();
+    let [turn, tilt] = file["rotary"].as_array_mut().unwrap().as_mut_slice() else { panic!("two rotary axes") };
+    change(turn, tilt);
+    file.to_string()
+}
+
 /// G-code for a table: each step takes the time that the tip needs.
 fn gcode(table: &RotaryTable, travel_z: f64) -> String {
+    leaning(table, travel_z, 0.0)
+}
+
+/// The same with the tilt of the table off by so much: X, Y and Z make up for it, so that the tip is right.
+fn leaning(table: &RotaryTable, travel_z: f64, off: f64) -> String {
     let mut text = String::from("G28\nG21\nG90\nG94\nM82\nG92 E0\n");
     let mut filament = 0.0;
     let axes = |at: &[f64; 3]| {
-        let [b, c] = angles(at);
+        let [b, c] = [angles(at)[0] + off, angles(at)[1]];
         let p = table.machine_point(&Point3::from(*at), [b, c]);
         format!("X{:.4} Y{:.4} Z{:.4} B{:.5} C{:.5}", p.x, p.y, p.z, b.to_degrees(), c.to_degrees())
     };
@@ -401,7 +425,7 @@ fn rotary_gcode_is_what_was_planned() {
     assert!(figure(&summary, "tip_off_mm") < 0.1, "{}", figure(&summary, "tip_off_mm"));
     assert!((figure(&summary, "filament_mm") - 105.0 * FEED).abs() < 1e-3);
     let table = fs::read_to_string(common::place("replay", "rotary").join("joints.csv")).unwrap();
-    assert!(table.starts_with("time_s,X,Y,Z,B,C,x_mm,y_mm,z_mm,i,j,k,filament_mm,file,step\n"));
+    assert!(table.starts_with("time_s,X,Y,Z,C,B,x_mm,y_mm,z_mm,i,j,k,filament_mm,file,step\n"));
     assert_eq!(Some(table.lines().count() as u64 - 1), summary["ticks"].as_u64());
 }
 
@@ -414,10 +438,34 @@ fn a_pivot_that_is_off_puts_the_whole_program_off() {
     assert!(has(&summary, "the tip is off the planned path"), "{:?}", failed(&summary));
     assert!(summary["findings"].as_str().unwrap().contains("the whole program is off"), "{}", summary["findings"]);
     // On a machine that is so it is right.
-    let description = r#"{"tilt": {"letter": "B", "axis": [0, 1, 0], "centre_mm": [2, 0, 0], "max_speed_deg_s": 57},
-        "turn": {"letter": "C", "axis": [0, 0, 1], "centre_mm": [0, 2, 0], "max_speed_deg_s": 114}}"#;
-    let machine = file(&folder("pivot"), "machine.json", description);
-    let summary = gcode_run("pivot-right", &gcode(&table, 10.0), &["--machine", &machine, "--allow-time", "0.015"]);
+    let description = bc_table(|turn, tilt| {
+        tilt["point_mm"] = json!([2, 0, 0]);
+        turn["point_mm"] = json!([0, 2, 0]);
+    });
+    let machine = file(&folder("pivot"), "machine.json", &description);
+    let summary = gcode_run(
+        "pivot-right",
+        &gcode(&table, 10.0),
+        &["--machine", &machine, "--flavour", "plain", "--allow-time", "0.015"],
+    );
+    assert_eq!(failed(&summary), Vec::<String>::new());
+}
+
+#[test]
+fn a_nozzle_that_leans_otherwise_is_caught_though_its_tip_is_right() {
+    let more = ["--allow-time", "0.015"];
+    let summary = gcode_run("leaning", &leaning(&RotaryTable::default(), 10.0, 0.15), &more);
+    assert_eq!(failed(&summary).len(), 1, "{:?}", failed(&summary));
+    assert!(has(&summary, "the nozzle leans otherwise than planned: 8.59 degrees"), "{:?}", failed(&summary));
+    assert!(summary["findings"].as_str().unwrap().contains("the whole program is off"), "{}", summary["findings"]);
+    assert!(
+        figure(&summary, "tip_off_mm") < 0.1 && (figure(&summary, "tilt_off_deg") - 0.15f64.to_degrees()).abs() < 0.05
+    );
+    let summary = gcode_run(
+        "leaning",
+        &leaning(&RotaryTable::default(), 10.0, 0.15),
+        &[&more[..], &["--allow-tilt", "9"]].concat(),
+    );
     assert_eq!(failed(&summary), Vec::<String>::new());
 }
 
@@ -445,9 +493,10 @@ fn a_travel_through_what_is_built_is_a_contact() {
 
 #[test]
 fn a_slow_axis_takes_longer_and_lays_too_much() {
-    let description = r#"{"tilt": {"letter": "B", "axis": [0, 1, 0], "max_speed_deg_s": 0.5}, "turn": {"letter": "C", "axis": [0, 0, 1]}}"#;
-    let machine = file(&folder("slow"), "machine.json", description);
-    let summary = gcode_run("slow", &gcode(&RotaryTable::default(), 10.0), &["--machine", &machine]);
+    let description = bc_table(|_, tilt| tilt["max_speed_deg_s"] = json!(0.5));
+    let machine = file(&folder("slow"), "machine.json", &description);
+    let summary =
+        gcode_run("slow", &gcode(&RotaryTable::default(), 10.0), &["--machine", &machine, "--flavour", "plain"]);
     assert!(has(&summary, "the program takes another time than programmed"), "{:?}", failed(&summary));
 }
 
@@ -456,6 +505,11 @@ fn bad_input_is_one_line_with_its_place() {
     let inputs = folder("bad");
     let failure = |words: &[&str]| run("bad", words).unwrap_err();
     let write = |name: &str, text: &str| file(&inputs, name, text);
+    let waits = format!("G0 X0 Y0 Z5 F100\n{}", "G4 S3600\n".repeat(30));
+    assert!(
+        failure(&[&write("waits.gcode", &waits)])
+            .contains("waits.gcode: line 26: with this wait the program has waited for 90000 s")
+    );
     let none = write("none.gcode", "; nothing\n");
     assert!(failure(&[&none]).ends_with("none.gcode: there are no moves in it"));
     let arc = write("arc.gcode", "G0 X0 Y0 Z0 F100\nG2 X1 Y1 I1\n");
@@ -468,14 +522,39 @@ fn bad_input_is_one_line_with_its_place() {
     assert!(failure(&["/nowhere/a.gcode"]).contains("/nowhere/a.gcode"));
     let empty = folder("bad/empty");
     assert!(failure(&[empty.to_str().unwrap()]).contains("has no program"));
+    let part = write("print_001.mod", "");
+    assert!(failure(&[&part, &part]).contains("RAPID is replayed from its main file"));
     let good = write("good.gcode", "G0 X0 Y0 Z5 F100\nG1 X1 E1 F60\n");
     let machine = write("machine.json", "{}");
-    assert!(failure(&[&good, "--machine", &machine]).contains("missing field `tilt`"));
+    assert!(failure(&[&good, "--machine", &machine]).contains("missing field `version`"));
     assert!(failure(&[&good, "--workcell", &cell("ur3.json")]).contains("--workcell is for robot programs"));
     assert!(failure(&[&good, "--plan", &good, "--nozzle", "1,95,8,20"]).contains("half angle"));
     let plan = write("plan.gcode", "G1 X0 Y0 Z0 ;DIR:0 0\n");
     assert!(failure(&[&good, "--plan", &plan]).contains("plan.gcode: line 1: `DIR:0 0` is no direction"));
-    for words in [["--rate", "0"], ["--speed", "-1"], ["--part-shift", "1"], ["--allow-tip", "NaN"]] {
+    let axes = write("toolpath-axes.gcode", "G0 X0 Y0 Z5 F100\n");
+    assert!(
+        failure(&[&axes]).contains("toolpath-axes.gcode: is for a five-axis machine: name its file with --machine")
+    );
+    let bc = machine_file("bc-table-tcp");
+    assert!(failure(&[&good, "--machine", &bc, "--flavour", "klingon"]).contains("`klingon` is no G-code flavour"));
+    assert!(failure(&[&good, "--machine", &bc, "--flavour", "marlin"]).contains("neither axes nor directions"));
+    assert!(
+        failure(&[&good, "--machine", &bc]).contains("(read as `linuxcnc-tcp`"),
+        "{}",
+        failure(&[&good, "--machine", &bc])
+    );
+    let polar = machine_file("polar-tilting-head");
+    assert!(failure(&[&good, "--machine", &polar, "--flavour", "siemens"]).contains("a polar machine cannot follow"));
+    for words in [
+        ["--rate", "0"],
+        ["--speed", "-1"],
+        ["--part-shift", "1"],
+        ["--allow-tip", "NaN"],
+        ["--gain", "99"],
+        ["--gain", "2001"],
+        ["--lookahead-time", "0.02"],
+        ["--lookahead-time", "0.21"],
+    ] {
         assert!(run("bad", &[&[good.as_str()], words.as_slice()].concat()).is_err(), "{words:?}");
     }
 }
