@@ -5,10 +5,9 @@
 //! ```
 
 use curvlay_examples::args::{self, Failure, Outcome};
-use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, write_targets};
 use curvlay_examples::motion::{
-    OnCell, PlacedPaths, PrintingCell, UR3_CELL, bounds_of, from_home, nozzle_of, programs, table_options,
-    track_options, workcell_model, workcell_of,
+    OnCell, PlacedPaths, PrintingCell, TargetFormat, TargetLanguage, UR3_CELL, bounds_of, from_home, nozzle_of,
+    programs, table_options, track_options, workcell_model, workcell_of, write_targets,
 };
 use curvlay_examples::{input, mesh::read_mesh, shapes::jug};
 use curvlay_kinematics::workcell::{AnyWorkcell, GrowingOptions, GrowingScene, PartCells, Workcell, WorkcellModel};
@@ -97,8 +96,7 @@ fn print<const N: usize, const F: usize, W: Workcell<N, F>>(
         let name = format!("print{}", number + 1);
         let create = |file: &str| inputs.create(&Path::new(out).join(file)).map(BufWriter::new);
         if let Some(language) = TargetLanguage::of(cell.equipment())? {
-            let max_filament_mm_s = motion.max_filament_mm_s();
-            let format = TargetFormat { name, language, moves_per_file: None, max_filament_mm_s };
+            let format = TargetFormat::new(name, language, motion.max_filament_mm_s());
             write_targets(programs::targets(cell, &motion, runs), cell.equipment(), &format, create)?;
         } else {
             let (options, file) = (programs::urscript_options(cell, &motion, &name), format!("{name}.script"));

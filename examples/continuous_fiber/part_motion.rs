@@ -9,7 +9,7 @@ use super::part_programs::{Item, Written};
 use super::part_read_back::ReadAgain;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
-use curvlay_examples::motion::target_programs::TargetLanguage;
+use curvlay_examples::motion::TargetLanguage;
 use curvlay_examples::motion::{NO_HOME, OnCell, PlacedPaths, PrintingCell, bounds_of, home, programs, waypoints};
 use curvlay_examples::nalgebra::Isometry3;
 use curvlay_examples::viewer;

@@ -4,7 +4,7 @@ use super::motion::TapeMotion;
 use curvlay_examples::args::Failure;
 use curvlay_examples::motion::programs;
 use curvlay_examples::motion::shown::{self, Played};
-use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, target_files};
+use curvlay_examples::motion::{TargetFormat, TargetLanguage, target_files};
 use curvlay_examples::nalgebra::Isometry3;
 use curvlay_examples::viewer;
 use curvlay_kinematics::print_program::StreamOptions;
@@ -105,12 +105,7 @@ impl Written<'_> {
         if items.is_empty() {
             return Ok(BTreeMap::new());
         }
-        let format = TargetFormat {
-            name: "fiber".to_owned(),
-            language: TargetLanguage::Rapid,
-            moves_per_file: None,
-            max_filament_mm_s: self.beads.max_filament_mm_s(),
-        };
+        let format = TargetFormat::new("fiber".to_owned(), TargetLanguage::Rapid, self.beads.max_filament_mm_s());
         let steps = items.iter().flat_map(|item| self.steps(item, false));
         Ok(target_files(steps, self.cell.equipment(), &format)?)
     }

@@ -18,7 +18,7 @@ use curvlay_examples::motion::programs::{
     blended, blended_options, pieces, program_name, stream, takes_stream, targets, urscript_options,
 };
 use curvlay_examples::motion::read_back::{MAX_FILAMENT_SHARE, MAX_OFF_MM, ReadBack};
-use curvlay_examples::motion::target_programs::{TargetFormat, TargetLanguage, TargetProgram, write_targets};
+use curvlay_examples::motion::{TargetFormat, TargetLanguage, TargetProgram, write_targets};
 use curvlay_examples::output::{OutputError, OutputFolder, Unfinished, is_numbered};
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;

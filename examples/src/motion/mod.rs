@@ -10,7 +10,7 @@ pub mod read_back;
 mod reading;
 pub mod shown;
 mod studied;
-pub mod target_programs;
+mod target_programs;
 mod track;
 
 pub use cells::{TABLE_CELL, UR3_CELL, link_mesh};
@@ -20,4 +20,5 @@ pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, track_options, waypoints};
 pub use reading::{workcell_model, workcell_of, workcell_or};
 pub use studied::{STEP_S, Studied, centred, dissertation_cells, inside, near_samples};
+pub use target_programs::{TargetFormat, TargetLanguage, TargetProgram, target_files, write_targets};
 pub use track::turning_joints;

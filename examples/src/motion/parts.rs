@@ -344,8 +344,7 @@ impl Work<'_> {
                 moved.files.insert(format!("{name}.script"), file);
                 continue;
             };
-            let max_filament_mm_s = motion.max_filament_mm_s();
-            let format = TargetFormat { name, language, moves_per_file: None, max_filament_mm_s };
+            let format = TargetFormat::new(name, language, motion.max_filament_mm_s());
             moved.files.extend(target_files(programs::targets(cell, motion, piece), cell.equipment(), &format)?);
         }
         Ok(moved)

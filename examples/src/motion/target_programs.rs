@@ -60,6 +60,13 @@ pub struct TargetFormat {
     pub max_filament_mm_s: f64,
 }
 
+impl TargetFormat {
+    /// With modules as long as the language has them.
+    pub fn new(name: String, language: TargetLanguage, max_filament_mm_s: f64) -> Self {
+        TargetFormat { name, language, moves_per_file: None, max_filament_mm_s }
+    }
+}
+
 /// What was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TargetProgram {
@@ -153,7 +160,7 @@ impl Write for Shared {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::{TABLE_CELL, workcell_model, workcell_of, workcell_or};
+    use crate::motion::{TABLE_CELL, programs::languages, workcell_model, workcell_of, workcell_or};
     use std::path::Path;
 
     fn language(arm: &str) -> Result<Option<TargetLanguage>, Failure> {
@@ -170,7 +177,7 @@ mod tests {
         model.controller.language = Some(ProgramLanguage::Krl);
         let cell = workcell_of(model, None).unwrap();
         assert_eq!(TargetLanguage::of(cell.equipment()).unwrap(), Some(TargetLanguage::Krl));
-        assert_eq!(super::super::programs::languages(cell.equipment()), Ok(vec![ProgramLanguage::Krl]));
+        assert_eq!(languages(cell.equipment()), Ok(vec![ProgramLanguage::Krl]));
     }
 
     /// Files of one program, by the endings of its language.
@@ -178,7 +185,7 @@ mod tests {
     fn a_program_has_the_files_of_its_language() {
         let cell = workcell_of(workcell_or(None, TABLE_CELL).unwrap(), None).unwrap();
         let files = |language| {
-            let format = TargetFormat { name: "print".into(), language, moves_per_file: None, max_filament_mm_s: 1.0 };
+            let format = TargetFormat::new("print".into(), language, 1.0);
             let files = target_files(std::iter::empty(), cell.equipment(), &format).unwrap();
             files.into_keys().collect::<Vec<_>>()
         };

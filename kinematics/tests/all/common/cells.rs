@@ -23,6 +23,6 @@ pub fn ur10() -> SixAxisWorkcell {
 pub fn over_table() -> EightAxisWorkcell {
     match AnyWorkcell::from_json(include_bytes!("../../../../examples/cells/irb1200-table.json").as_slice()).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
-        AnyWorkcell::Six(_) => panic!("no table"),
+        AnyWorkcell::Six(_) | AnyWorkcell::Seven(_) => panic!("no table"),
     }
 }
