@@ -3,16 +3,20 @@
 use super::blended::BlendOptions;
 use super::stream::StreamOptions;
 use crate::program::{
-    KrlOptions, ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate, TpOptions,
-    UrScriptOptions,
+    FilamentOutput, KrlOptions, ProgramLimits, RapidOptions, RapidSwitching, RapidTool, RapidWorkObject, ServoRate,
+    TpOptions, UrScriptOptions,
 };
 use crate::scene::Mount;
 use crate::workcell::{ArmGeometry, Equipment, tool_frame};
 
+/// The group output of the filament's speed.
+const GROUP_SIGNAL: &str = "goFilament";
+
 impl RapidOptions {
     /// The nozzle as tool and the part frame as work object of a workcell, on the mechanical unit `STN1` if there is a table, within
     /// the limits of its arm; the arm and the table, for the seconds that the program states; the extruder is
-    /// switched on the path, earlier by its lag in the workcell. A track is the first external axis, `eax_a`.
+    /// switched on the path, earlier by its lag in the workcell. A track is the first external axis, `eax_a`. The speed of the filament leaves by
+    /// the group output `goFilament` where the workcell says so.
     pub fn of_workcell(equipment: &Equipment) -> Self {
         let defaults = RapidOptions::default();
         let ((held, nozzle), (carrier, frame)) = (equipment.nozzle_frame(), equipment.part_frame());
@@ -25,7 +29,25 @@ impl RapidOptions {
         let track = equipment.track().copied();
         let switching = RapidSwitching::OnPath { lag_s: equipment.model().controller.extruder_lag_s };
         let limits = ProgramLimits::of_arm(&arm);
-        RapidOptions { tool, work_object, switching, limits, arm: Some(arm), positioner, track, ..defaults }
+        let group = equipment.model().controller.filament_group;
+        let (filament_signal, filament_output) = match group {
+            Some(group) => {
+                (GROUP_SIGNAL.to_owned(), FilamentOutput::Group { step_mm_s: group.step_mm_s, bits: group.bits })
+            }
+            None => (defaults.filament_signal, defaults.filament_output),
+        };
+        RapidOptions {
+            filament_signal,
+            filament_output,
+            tool,
+            work_object,
+            switching,
+            limits,
+            arm: Some(arm),
+            positioner,
+            track,
+            ..defaults
+        }
     }
 }
 

@@ -105,6 +105,9 @@ pub enum WorkcellError {
         /// The field.
         path: &'static str,
     },
+    /// A group output, which only programs in RAPID have.
+    #[error("controller.filament_group: only programs in RAPID have a group output; leave it out")]
+    NoGroup,
     /// The language of another maker's controller.
     #[error(
         "controller.language: arms of Universal Robots take `urscript`, all others `rapid`, `krl` or `tp`; leave it out, or name \
@@ -558,12 +561,16 @@ pub(super) fn home(
 
 /// Ranges that the controllers take: `EquipLag` of RAPID, `servoj` of URScript.
 pub(super) fn controller(model: &ControllerModel, arm: &Arm) -> Result<(), WorkcellError> {
-    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s, language } = *model;
+    let ControllerModel { extruder_lag_s, servoj_gain, servoj_lookahead_s, language, filament_group } = *model;
     let within = |path, value: f64, [min, max]: [f64; 2]| match (min..=max).contains(&value) {
         true => Ok(()),
         false => Err(wrong(path, value, format!("from {min} to {max}"))),
     };
     within("controller.extruder_lag_s", extruder_lag_s, [0.0, 0.5])?;
+    if let Some(group) = filament_group {
+        within("controller.filament_group.step_mm_s", group.step_mm_s, [1e-6, 1e3])?;
+        within("controller.filament_group.bits", f64::from(group.bits), [1.0, 23.0])?;
+    }
     for (path, value, range) in [
         ("controller.servoj_gain", servoj_gain, [100.0, 2000.0]),
         ("controller.servoj_lookahead_s", servoj_lookahead_s, [0.03, 0.2]),

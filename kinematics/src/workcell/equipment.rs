@@ -28,6 +28,9 @@ const SIDES: u32 = 12;
 /// A plate as wide as this, in millimetres, stands for one whose diameter the print decides, where only checks need one.
 const SOME_PLATE_MM: f64 = 100.0;
 
+/// What is this near to a carriage wherever the track is, in millimetres, is what it runs on: motions keep a margin of about two.
+const RUNS_ON_MM: f64 = 5.0;
+
 /// A nozzle in the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlateContact {
@@ -120,6 +123,9 @@ impl Equipment {
             roller: None,
             model,
         };
+        if equipment.model.controller.filament_group.is_some() && equipment.language() != Some(ProgramLanguage::Rapid) {
+            return Err(WorkcellError::NoGroup);
+        }
         equipment.check_names()?;
         Scene::new(equipment.scene(SOME_PLATE_MM))?;
         equipment.check_carriage()?;
@@ -136,7 +142,8 @@ impl Equipment {
         {
             let carried = self.bodies.iter().filter(|body| body.mount == Mount::Base);
             let bodies = carried.chain([&self.bodies[stands + index]]).cloned().collect();
-            let scene = Scene::new(SceneModel { bodies, track: self.track, ..SceneModel::of(self.arm) })?;
+            let scene =
+                Scene::new(SceneModel { bodies, track: self.track, margin: RUNS_ON_MM, ..SceneModel::of(self.arm) })?;
             let touches = |place: f64| {
                 let posture = Posture { joints: [0.0; 6], table: [place, 0.0] };
                 matches!(scene.touching(&posture), Ok(Some(_)))

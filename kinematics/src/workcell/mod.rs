@@ -84,9 +84,9 @@ pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
-    ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FrameModel, Held, LimitsModel, LinkMeshModel,
-    MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, ShapeModel,
-    SolidModel, StandModel, TrackPart, UrdfModel, VERSION, WorkcellModel,
+    ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FilamentGroupModel, FrameModel, Held,
+    LimitsModel, LinkMeshModel, MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart,
+    ProgramLanguage, RollerModel, ShapeModel, SolidModel, StandModel, TrackPart, UrdfModel, VERSION, WorkcellModel,
 };
 pub use seven::SevenAxisWorkcell;
 pub use six::SixAxisWorkcell;

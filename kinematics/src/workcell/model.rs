@@ -69,6 +69,19 @@ pub struct ControllerModel {
     /// The language of the programs; absent: URScript for an arm of Universal Robots, else RAPID.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub language: Option<ProgramLanguage>,
+    /// The group of digital outputs that has the speed of the filament in RAPID; absent: an analog output has it.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub filament_group: Option<FilamentGroupModel>,
+}
+
+/// A group of digital outputs as [`FilamentOutput::Group`](crate::program::FilamentOutput::Group) has it: a whole number of steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct FilamentGroupModel {
+    /// Speed of the filament for one step, 1e-6 to 1000.
+    pub step_mm_s: f64,
+    /// Bits of the group, 1 to 23.
+    pub bits: u8,
 }
 
 /// The language of a controller.

@@ -310,6 +310,7 @@ fn options_are_those_of_the_controller() {
         servoj_gain: Some(500.0),
         servoj_lookahead_s: Some(0.125),
         language: None,
+        filament_group: None,
     };
     assert_eq!(of_ur3(soft), (500.0, 0.125, StreamOptions { lag_s: -0.125, ..StreamOptions::default() }));
     let mut model = ur3().equipment().model().clone();

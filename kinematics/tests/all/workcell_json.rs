@@ -1,9 +1,10 @@
 //! Files of workcells: written and read, and invalid files.
 #![cfg(feature = "serde")]
 
+use curvlay_kinematics::program::{FilamentOutput, RapidOptions};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ArmGeometry, BodiesModel, ControllerModel, FrameModel, LimitsModel, LinkMeshModel, MountModel,
-    PositionerGeometry, ProgramLanguage, ShapeModel, SolidModel, StandModel, Workcell, WorkcellError,
+    AnyWorkcell, ArmGeometry, BodiesModel, ControllerModel, FilamentGroupModel, FrameModel, LimitsModel, LinkMeshModel,
+    MountModel, PositionerGeometry, ProgramLanguage, ShapeModel, SolidModel, StandModel, Workcell, WorkcellError,
     WorkcellFileError, WorkcellModel,
 };
 use proptest::prelude::*;
@@ -290,6 +291,30 @@ fn a_controller_is_checked() {
         assert_eq!(error(irb, controller), expected);
     }
     assert!(!written(&with(ur3, defaults)).contains("controller"));
+}
+
+/// A group output is for RAPID, and in its programs.
+#[test]
+fn a_group_output_is_for_rapid() {
+    let with = |file: &str, step_mm_s: f64, bits: u8, language| {
+        let filament_group = Some(FilamentGroupModel { step_mm_s, bits });
+        let controller = ControllerModel { filament_group, language, ..ControllerModel::default() };
+        WorkcellModel { controller, ..read(file) }
+    };
+    let error = |model: WorkcellModel| AnyWorkcell::new(model).unwrap_err().to_string();
+    let [ur3, irb] = [FILES[0], FILES[1]];
+    let model = with(irb, 0.01, 12, None);
+    assert_eq!(read(&written(&model)), model);
+    let cell = AnyWorkcell::new(model).unwrap();
+    let options = RapidOptions::of_workcell(cell.equipment());
+    assert_eq!(options.filament_output, FilamentOutput::Group { step_mm_s: 0.01, bits: 12 });
+    assert_eq!(options.filament_signal, "goFilament");
+    let none = "controller.filament_group: only programs in RAPID have a group output; leave it out";
+    assert_eq!(error(with(ur3, 0.01, 12, None)), none);
+    assert_eq!(error(with(irb, 0.01, 12, Some(ProgramLanguage::Krl))), none);
+    let expected = "controller.filament_group.step_mm_s is 0: it must be from 0.000001 to 1000";
+    assert_eq!(error(with(irb, 0.0, 12, None)), expected);
+    assert_eq!(error(with(irb, 0.01, 24, None)), "controller.filament_group.bits is 24: it must be from 1 to 23");
 }
 
 /// The language is that of the arm, or the one that the file names, as long as it is one of the arm's maker.
