@@ -827,9 +827,9 @@ fn has_room(there: &dyn Fn(i64, i64) -> bool, p: Point2<f64>, radius: f64) -> bo
 /// Centres that are tried along a radius.
 const TRIED: usize = 24;
 
-/// The room at a corner or a fork of these squares has one size. A disc just as large is found or not: by the raster, whose samples are a 25th of a
-/// millimetre apart and which takes discs of a quarter of that less, and by trying centres. So what is found lies between the shares of a disc that
-/// is certainly found and of one that certainly is not.
+// The room at a corner or a fork of these squares has one size. A disc just as large is found or not: by the raster, whose samples are a 25th of a
+// millimetre apart and which takes discs of a quarter of that less, and by trying centres. So what is found lies between the shares of a disc that
+// is certainly found and of one that certainly is not.
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
     #[test]
