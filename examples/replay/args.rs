@@ -1,7 +1,6 @@
 //! The arguments, each declared once.
 
-use super::chosen::{GAIN, LOOKAHEAD_S};
-use super::controller::{ControllerModel, Follower, Maker, Profile};
+use super::controller::{ControllerModel, Follower, GAIN, LOOKAHEAD_S, Maker, Profile};
 use clap::Parser;
 use curvlay_examples::args::{Common, above_zero, from_zero};
 use std::path::PathBuf;

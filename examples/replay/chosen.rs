@@ -1,6 +1,7 @@
 //! The machine that a program is for, and how its text is read: as the arguments say, or as the run beside it has recorded.
 
 use super::args::Args;
+use super::controller::{GAIN, LOOKAHEAD_S};
 use super::facts::Facts;
 use super::machine::{FiveAxis, Machine, Robot};
 use super::program::{AXES, Dialect, Files, Kind, Wanted, fitted};
@@ -24,9 +25,6 @@ const CELLS: [&str; 3] = [
 const WORKCELL: &str = "workcell.json";
 /// What stands for no flavour.
 const PLAIN: &str = "plain";
-/// What URScript takes as look-ahead time, in seconds, and as gain of `servoj` (*The URScript Programming Language*).
-pub const LOOKAHEAD_S: [f64; 2] = [0.03, 0.2];
-pub const GAIN: [f64; 2] = [100.0, 2000.0];
 
 /// How G-code is read.
 #[derive(Clone, Debug, PartialEq)]

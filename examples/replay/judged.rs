@@ -187,7 +187,13 @@ impl Judged<'_> {
                 .allow(accept("--allow-tip", tip.worst.value));
         }
         self.tilt();
+        self.missed();
+    }
+
+    /// What the tip leaves out, and where it extrudes beside the plan.
+    fn missed(&mut self) {
         let Some(tip) = &self.court.tip else { return };
+        let allow = &self.args.allow;
         let missed = if tip.planned_mm > 0.0 { tip.missed_mm / tip.planned_mm } else { 0.0 };
         if missed > allow.allow_missed {
             let by = if tip.missed_by_mm.is_finite() {

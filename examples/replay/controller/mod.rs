@@ -18,7 +18,7 @@ mod segment;
 mod tick;
 mod window;
 
-pub use model::{ControllerModel, Follower, Maker, Profile};
+pub use model::{ControllerModel, Follower, GAIN, LOOKAHEAD_S, Maker, Profile};
 pub use obstacles::Obstacles;
 pub use run::Controller;
 pub use tick::Tick;

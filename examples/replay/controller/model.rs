@@ -66,8 +66,12 @@ pub struct ControllerModel {
     pub rate_hz: f64,
 }
 
-/// Gain of `servoj` at which an arm is behind its stream by the look-ahead time alone: the greatest that URScript takes.
-const FULL_GAIN: f64 = 2000.0;
+/// What URScript takes as look-ahead time, in seconds, and as gain of `servoj` (*The URScript Programming Language*).
+pub const LOOKAHEAD_S: [f64; 2] = [0.03, 0.2];
+/// See [`LOOKAHEAD_S`].
+pub const GAIN: [f64; 2] = [100.0, 2000.0];
+/// Gain of `servoj` at which an arm is behind its stream by the look-ahead time alone.
+const FULL_GAIN: f64 = GAIN[1];
 
 impl ControllerModel {
     /// What is known, or estimated, of a maker's controllers.

@@ -149,41 +149,49 @@ impl Column {
 /// Makes capsules of the way of the tip.
 #[derive(Clone, Debug, Default)]
 pub struct Layer {
-    /// Begin and end of the capsule under way, and its radius.
-    open: Option<(Point3<f64>, Point3<f64>, f64)>,
+    open: Option<Open>,
+}
+
+/// The capsule under way.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    from: Point3<f64>,
+    to: Point3<f64>,
+    radius: f64,
+    /// No place of its way is farther from its axis than this.
+    bent: f64,
 }
 
 /// Steps in line with the capsule to within this share of its radius belong to it.
 const BENT: f64 = 0.1;
-/// A capsule is at most this many radii long.
-const LONG: f64 = 4.0;
+/// A capsule is at most this long, in millimetres: the fewer there are, the faster are looks among them, and with much longer ones their middles say little.
+const LONG_MM: f64 = 2.0;
 
 impl Layer {
     /// The middle of the bead goes on to a place; a capsule that ends there is returned.
     pub fn go(&mut self, middle: Point3<f64>, radius: f64) -> Option<Capsule> {
-        let Some((from, to, open_radius)) = self.open else {
-            self.open = Some((middle, middle, radius));
+        let Some(open) = self.open else {
+            self.open = Some(Open { from: middle, to: middle, radius, bent: 0.0 });
             return None;
         };
-        let (way, before) = (middle - from, to - from);
+        let (way, before) = (middle - open.from, open.to - open.from);
         let length = way.norm();
         let beside = if length > 0.0 { before.cross(&way).norm() / length } else { 0.0 };
-        let is_back = before.dot(&(middle - to)) < 0.0;
-        if length <= LONG * open_radius
-            && beside <= BENT * open_radius
-            && !is_back
-            && (radius - open_radius).abs() < 0.1 * open_radius
-        {
-            self.open = Some((from, middle, open_radius));
+        let is_back = before.dot(&(middle - open.to)) < 0.0;
+        // Places before move away from the new axis by no more than the last end does.
+        let bent = open.bent + beside;
+        let is_alike = (radius - open.radius).abs() < 0.1 * open.radius;
+        if length <= LONG_MM && bent <= BENT * open.radius && !is_back && is_alike {
+            self.open = Some(Open { to: middle, bent, ..open });
             return None;
         }
-        self.open = Some((to, middle, radius));
-        Some(Capsule { ends: [from, to], radius: open_radius })
+        self.open = Some(Open { from: open.to, to: middle, radius, bent: 0.0 });
+        Some(Capsule { ends: [open.from, open.to], radius: open.radius })
     }
 
     /// The bead ends.
     pub fn end(&mut self) -> Option<Capsule> {
-        self.open.take().map(|(from, to, radius)| Capsule { ends: [from, to], radius })
+        self.open.take().map(|Open { from, to, radius, .. }| Capsule { ends: [from, to], radius })
     }
 }
 
@@ -233,7 +241,7 @@ mod tests {
             capsules.extend(layer.end());
             for place in &way {
                 let off = capsules.iter().map(|c| super::super::bead::to_chord(place, &c.ends[0], &c.ends[1])).fold(f64::INFINITY, f64::min);
-                prop_assert!(off < 0.25, "{off}");
+                prop_assert!(off <= 0.05 + 1e-12, "{off}");
             }
             prop_assert!(capsules.len() <= turns.len() + 1);
         }

@@ -12,8 +12,8 @@ use nalgebra::{Point3, Vector3};
 
 /// Motion after which candidates are collected again, in millimetres.
 const MARGIN_MM: f64 = 2.0;
-/// Places along a capsule at which the distance is computed: with a length of four radii they are a radius apart.
-const PLACES: u32 = 4;
+/// Places along a capsule at which the distance is computed, at least, beside its begin: they are a radius apart at most.
+const MIN_PLACES: f64 = 4.0;
 
 /// The nozzle in something.
 #[derive(Clone, Debug, Default)]
@@ -152,8 +152,9 @@ fn least_gap(nozzle: &Nozzle, pose: &NozzlePose, capsule: &Capsule, most: f64) -
 fn gap_within(nozzle: &Nozzle, pose: &NozzlePose, capsule: &Capsule, most: f64) -> Option<f64> {
     least_gap(nozzle, pose, capsule, most)?;
     let ([from, to], radius) = (capsule.ends, capsule.radius);
-    let at = |k: u32| nozzle.distance(pose, &(from + (to - from) * (f64::from(k) / f64::from(PLACES))));
-    let gap = (0..=PLACES).map(at).fold(f64::INFINITY, f64::min) - radius;
+    let places = ((to - from).norm() / radius).ceil().max(MIN_PLACES);
+    let at = |k: u32| nozzle.distance(pose, &(from + (to - from) * (f64::from(k) / places)));
+    let gap = (0..=places as u32).map(at).fold(f64::INFINITY, f64::min) - radius;
     (gap <= most).then_some(gap)
 }
 
@@ -198,8 +199,9 @@ mod tests {
     /// By the same places along the axis, without any short cut.
     fn slow_depth(pose: &NozzlePose, capsule: &Capsule) -> f64 {
         let [from, to] = capsule.ends;
-        let at = |k: u32| nozzle().distance(pose, &(from + (to - from) * (0.25 * f64::from(k))));
-        capsule.radius - (0..=4).map(at).fold(f64::INFINITY, f64::min)
+        let count = ((to - from).norm() / capsule.radius).ceil().max(4.0);
+        let at = |k: u32| nozzle().distance(pose, &(from + (to - from) * (f64::from(k) / count)));
+        capsule.radius - (0..=count as u32).map(at).fold(f64::INFINITY, f64::min)
     }
 
     #[test]

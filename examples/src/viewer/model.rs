@@ -280,10 +280,11 @@ impl Model {
         box_around(all.chain(self.ends.iter().flat_map(|(_, line)| *line))).unwrap_or_default()
     }
 
-    /// The box around the part, what it is built on and its layers; none without any.
+    /// The box around the part, what it is built on and its layers; without their meshes around the beads, and none without any.
     fn built(&self) -> Option<[Point3<f64>; 2]> {
         let meshes = [&self.part, &self.mould].into_iter().chain(&self.layers);
-        box_around(meshes.flat_map(|mesh| &mesh.vertices).copied())
+        let beads = || self.steps.iter().filter(|step| step.kind != Step::TRAVEL).map(|step| step.tip);
+        box_around(meshes.flat_map(|mesh| &mesh.vertices).copied()).or_else(|| box_around(beads()))
     }
 }
 

@@ -204,8 +204,12 @@ fn the_part_is_framed_not_the_way_home() {
     let home = Step { tip: Point3::new(400.0, -300.0, 900.0), kind: Step::TRAVEL, ..model.steps[0] };
     model.steps.push(home);
     assert_eq!(framed(&model), before);
-    // With nothing built all there is counts.
+    // Without meshes the beads are what is built.
     (model.part, model.layers) = (Mesh::default(), Vec::new());
+    let beads = framed(&model);
+    assert!(beads[1].as_f64() < Some(60.0) && beads[2] == json!(true), "{beads:?}");
+    // With nothing built all there is counts.
+    model.steps.iter_mut().for_each(|step| step.kind = Step::TRAVEL);
     let machine = framed(&model);
     assert!(machine[1].as_f64() > Some(1000.0) && machine[2] == json!(false), "{machine:?}");
 }

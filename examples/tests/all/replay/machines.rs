@@ -4,8 +4,8 @@ use super::*;
 use curvlay_examples::axis_program::{axes_of, write_axis_program};
 use curvlay_examples::nalgebra::UnitVector3;
 use curvlay_kinematics::machine::{AxisPlanOptions, FiveAxis, MachineModel};
-use curvlay_toolpath::gcode::Move;
 use curvlay_toolpath::gcode::flavour::{Flavour, ProgramOptions, write_flavour};
+use curvlay_toolpath::gcode::{Move, RotaryTable};
 use std::f64::consts::TAU;
 
 /// Height of the lowest ring, of the nozzle's lift between rings, sides of a ring.
