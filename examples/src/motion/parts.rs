@@ -337,7 +337,12 @@ impl Work<'_> {
                 moved.files.insert(format!("{name}.script"), file);
             } else {
                 let options = RapidOptions { name, ..RapidOptions::of_workcell(cell.equipment()) };
-                moved.files.extend(programs::rapid_files(programs::targets(cell, motion, piece), &options)?);
+                let mut steps = programs::targets(cell, motion, piece);
+                moved.files.extend(programs::rapid_files(&mut steps, &options)?);
+                if steps.dropped() > 0 {
+                    let moves = counted(steps.dropped() as usize, "move");
+                    return Err(Failure::new(format!("{moves} have no pose: the table is beyond its limits")));
+                }
             }
         }
         Ok(moved)
