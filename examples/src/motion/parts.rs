@@ -345,7 +345,12 @@ impl Work<'_> {
                 continue;
             };
             let format = TargetFormat::new(name, language, motion.max_filament_mm_s());
-            moved.files.extend(target_files(programs::targets(cell, motion, piece), cell.equipment(), &format)?);
+            let mut steps = programs::targets(cell, motion, piece);
+            moved.files.extend(target_files(&mut steps, cell.equipment(), &format)?);
+            if steps.dropped() > 0 {
+                let moves = counted(steps.dropped() as usize, "move");
+                return Err(Failure::new(format!("{moves} have no pose: the table is beyond its limits")));
+            }
         }
         Ok(moved)
     }

@@ -49,6 +49,13 @@ fn a_robot_prints_a_block() {
     let bytes = fs::metadata(Path::new(&out).join("print_001.script")).unwrap().len();
     assert_eq!((count("program_files"), count("program_bytes")), (1, bytes));
 
+    // Streamed, the stand-in of a controller runs all of it.
+    let output = common::example("stream_print").args([&out, "--dry-run"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let ticks = stream_of(&steps).len();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(said.starts_with(&format!("{ticks} ticks, ")) && said.contains(&format!("ran {ticks} ticks")), "{said}");
+
     // In small files the steps are the same, but for the way to the first posture of each.
     let cut = scratch.path("cut");
     block(size, &cut, &[&common[..], &["--program-steps", "1000"]].concat());
@@ -218,9 +225,13 @@ fn a_robot_prints_a_block_by_lines_with_blends() {
     let robot_s = number("robot_time_s");
     assert!((seconds / robot_s - 1.0).abs() < 0.03, "{seconds} {robot_s}");
 
-    // Cut at lines: more files, each from home to home.
+    // Cut at lines: more files, each from home to home; the extruder at a socket.
     let cut = scratch.path("cut");
-    let figures = block([16.0, 12.0, 4.0], &cut, &[&args[..], &["--program-steps", "300"]].concat());
+    let more = ["--program-steps", "300", "--ur-extruder", "socket:192.168.1.9:4000,12"];
+    let figures = block([16.0, 12.0, 4.0], &cut, &[&args[..], &more].concat());
+    let text = fs::read_to_string(Path::new(&cut).join("print_001.script")).unwrap();
+    assert!(text.contains("socket_open(\"192.168.1.9\",4000,\"extruder\")") && text.contains("\"START\",\"extruder\""));
+    assert!(!text.contains("set_standard"));
     assert_eq!((figures["program_files"].as_u64(), figures["program_not_at_home"].as_u64()), (Some(2), Some(0)));
     let output = run(&["--stage", "motion", "--cell8", "--program", "urscript-movep", "--out", &scratch.path("no")]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("only for arms of Universal Robots"));

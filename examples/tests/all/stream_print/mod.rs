@@ -154,42 +154,43 @@ fn planned() -> f64 {
 #[test]
 fn every_tick_is_run_once_whatever_the_network_does() {
     let bad = Faults {
-        disconnect: 20,
-        lose_frame: 60,
+        cuts: &[0, 1, 90, 300, 301, 650],
+        lose_every: 13,
         lose_reply: 100,
         delay_reply: 200,
-        garble_reply: 15,
+        garble_every: 40,
         stop: 10,
         ..Faults::default()
     };
     for (seed, faults) in [(1, Faults::default()), (2, bad), (3, bad), (4, bad)] {
         let (done, robot) = streamed(faults, seed, None);
         let progress = done.unwrap();
-        assert!(progress.over && progress.run == TICKS[0] + TICKS[1]);
+        assert!(progress.over && progress.run == TICKS[0] + TICKS[1] + 1);
         assert_eq!((robot.reply.state, robot.reply.run), (UrState::Done, progress.run));
         let end = check_way(&robot.ran);
         assert!((end - f64::from(TICKS[0] + TICKS[1])).abs() < 1e-6, "{end}");
-        // What is lost at a stop is less than a tick.
-        let stops = f64::from(robot.connections) + robot.ran.len() as f64 / 20.0;
-        assert!((laid(&robot.ran) - planned()).abs() < 0.012 * (stops + 30.0), "{} {}", laid(&robot.ran), planned());
+        // At each rest less than a tick is lost.
+        let rests = robot.ran.windows(2).filter(|pair| (pair[0].joints[0] - pair[1].joints[0]).abs() < 1e-12).count();
+        let off = (laid(&robot.ran) - planned()).abs();
+        assert!(off < 0.012 * (rests + 4) as f64, "{off} {rests}");
         if seed > 1 {
             // It was as bad as it should be.
-            assert!(robot.connections > 3 && robot.lost > 3 && progress.resent > 0, "{robot:?}");
+            assert!(robot.connections > 6 && robot.lost > 3 && progress.resent > 0, "{robot:?}");
         }
     }
 }
 
 #[test]
 fn a_stop_ends_the_program_on_the_path() {
-    for (seed, faults) in [(5, Faults::default()), (6, Faults { disconnect: 10, lose_frame: 50, ..Faults::default() })]
+    for (seed, faults) in [(5, Faults::default()), (6, Faults { cuts: &[20, 100], lose_every: 7, ..Faults::default() })]
     {
         let (done, robot) = streamed(faults, seed, Some(150));
         let error = done.unwrap_err();
         let StreamError::Stopped { run, total: 701 } = error else { panic!("{error}") };
-        assert!((150..700).contains(&run) && robot.reply.state == UrState::Stopped);
+        assert!((150..400).contains(&run) && robot.reply.state == UrState::Stopped);
         assert_eq!(robot.reply.run, run);
         let end = check_way(&robot.ran);
-        assert!((f64::from(run)..f64::from(run) + 1.0).contains(&(end - 1.0 + 1.0)), "{end} {run}");
+        assert!((-1e-6..1.0).contains(&(end - f64::from(run))), "{end} {run}");
         assert_eq!(robot.ran.last().unwrap().filament_mm_s, None);
     }
 }
@@ -202,7 +203,7 @@ fn nonsense_and_pushed_arms_end_it() {
     // Without a sender it came to rest on its path.
     check_way(&robot.ran);
     assert_eq!((robot.reply.state, robot.ran.last().unwrap().filament_mm_s), (UrState::Stands, None));
-    let push = Faults { push: Some((200, 0.05)), stop: 50, ..Faults::default() };
+    let push = Faults { push: Some((200, 0.05)), cuts: &[250], ..Faults::default() };
     let (done, robot) = streamed(push, 8, None);
     let error = done.unwrap_err();
     let StreamError::Stream(UrStreamError::Halted { tick, fault: UrFault::Gap }) = error else { panic!("{error}") };
@@ -242,9 +243,14 @@ fn a_robot_that_does_not_come_is_an_error() {
 fn a_dry_run_runs_all() {
     let folder = print("dry");
     let said = work(&args(&folder, &["--dry-run"]), &Bars::new(true)).unwrap();
-    assert!(said.starts_with("701 ticks, 6 s of motion: the stand-in ran 701 ticks in 5.8 s"), "{said}");
-    assert!(said.contains("stood for 0 cycles") || said.contains("stood for 1 cycles"), "{said}");
-    assert!(said.contains(&format!("laid {:.1} mm of filament", planned())), "{said}");
+    assert!(said.starts_with("701 ticks, 6 s of motion: the stand-in ran 701 ticks in "), "{said}");
+    let job = UrStreamJob::of(ticks()).unwrap();
+    let bars = Bars::new(true);
+    let found = example::dry_run::dry_run((ticks().into_iter(), job), &options(), posture(1), &bars).unwrap();
+    // Two begins that speed up, 0.15 s each, and some cycles at rest around the moves.
+    assert!((5.6..6.1).contains(&found.seconds) && found.ticks == 701 && found.stood < 8, "{found:?}");
+    assert!((found.fastest_rad_s - STEP / 0.008).abs() < 1e-6, "{found:?}");
+    assert!((found.filament_mm - planned()).abs() < 0.1 && planned() > 5.0, "{found:?} {}", planned());
     // The same again: nothing was left behind, nothing depends on when.
     assert_eq!(work(&args(&folder, &["--dry-run"]), &Bars::new(true)).unwrap(), said);
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 4);
@@ -286,7 +292,7 @@ fn places_have_program_layer_and_path() {
     for (tick, name) in [
         (1, "print_001.script, tick 1 of it, layer 1, path 0 (transfer)"),
         (101, "print_001.script, tick 101 of it, layer 1, path 3 (print)"),
-        (400, "print_001.script, tick 400 of it, layer 1, path 3 (lift)"),
+        (399, "print_001.script, tick 399 of it, layer 1, path 3 (lift)"),
         (402, "print_002.script, tick 2 of it, layer 2, path 0 (transfer)"),
         (500, "print_002.script, tick 100 of it, layer 2, path 5 (print)"),
     ] {
@@ -312,7 +318,7 @@ fn prints_that_cannot_be_streamed_are_refused() {
     assert!(error(&folder, &["--dry-run"]).contains("print_002.script"));
     let whole = fs::read_to_string(folder.join("away")).unwrap();
     fs::write(folder.join("print_002.script"), &whole[..whole.len() / 2]).unwrap();
-    assert!(error(&folder, &["--dry-run"]).contains("print_002.script: line"));
+    assert!(error(&folder, &["--dry-run"]).contains("print_002.script: "));
     // A jump from one tick to the next.
     let far = whole.replacen("servoj([", "servoj([-", 1);
     fs::write(folder.join("print_002.script"), far).unwrap();

@@ -11,17 +11,20 @@ use std::net::{SocketAddr, TcpStream};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// How often of 1000 it does what it should not, with a line or in a round.
+/// What it does that it should not.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Faults {
-    pub disconnect: u32,
-    pub lose_frame: u32,
+    /// It breaks the connection when so many ticks are run, once each.
+    pub cuts: &'static [u32],
+    /// It loses every so many-th frame; 0: none.
+    pub lose_every: u32,
+    /// Every so many-th reply is none.
+    pub garble_every: u32,
+    /// How often of 1000 it loses or delays a reply, or does not read for four seconds of its time.
     pub lose_reply: u32,
     pub delay_reply: u32,
-    pub garble_reply: u32,
-    /// It does not read for four seconds of its time.
     pub stop: u32,
-    /// Instead of the reply behind so many ticks it answers one with more ticks than there are.
+    /// Behind so many ticks it answers more ticks than there are.
     pub wrong_at: Option<u32>,
     /// The arm is pushed by this, in radians, when it rests behind so many ticks.
     pub push: Option<(u32, f64)>,
@@ -34,6 +37,10 @@ pub struct Robot {
     pub reply: UrReply,
     pub connections: u32,
     pub lost: u32,
+    frames: u32,
+    replies: u32,
+    cuts: usize,
+    pushed: bool,
 }
 
 /// Runs one until its program has ended and the sender is gone.
@@ -47,7 +54,16 @@ pub fn start(
     let mut stand_in = StandIn::new(options, arm);
     thread::spawn(move || {
         let mut random = Pcg64::seed_from_u64(seed);
-        let mut robot = Robot { ran: Vec::new(), reply: UrReply::default(), connections: 0, lost: 0 };
+        let mut robot = Robot {
+            ran: Vec::new(),
+            reply: UrReply::default(),
+            connections: 0,
+            lost: 0,
+            frames: 0,
+            replies: 0,
+            cuts: 0,
+            pushed: false,
+        };
         loop {
             let Ok(socket) = TcpStream::connect(address) else {
                 // The sender has gone: it has heard the end, or has given up.
@@ -57,7 +73,7 @@ pub fn start(
             robot.connections += 1;
             serve(&mut stand_in, socket, &mut robot, faults, &mut random);
             stand_in.deaf();
-            (0..20).for_each(|_| robot.ran.extend(stand_in.cycle()));
+            (0..100).for_each(|_| robot.ran.extend(stand_in.cycle()));
             robot.reply = stand_in.reply();
         }
     })
@@ -68,10 +84,10 @@ fn serve(stand_in: &mut StandIn, mut socket: TcpStream, robot: &mut Robot, fault
     socket.set_read_timeout(Some(Duration::from_millis(1))).unwrap();
     let (mut line, mut bytes) = (Vec::new(), [0; 4096]);
     let mut late: VecDeque<String> = VecDeque::new();
-    let mut pushed = false;
     loop {
         let mut is = |of_1000: u32| random.random_range(0..1000) < of_1000;
-        if is(faults.disconnect) {
+        if faults.cuts.get(robot.cuts).is_some_and(|at| stand_in.reply().run >= *at) {
+            robot.cuts += 1;
             return;
         }
         if is(faults.stop) {
@@ -87,7 +103,8 @@ fn serve(stand_in: &mut StandIn, mut socket: TcpStream, robot: &mut Robot, fault
             line.push(byte);
             if byte == b'\n' {
                 let text = String::from_utf8(std::mem::take(&mut line)).unwrap();
-                if is(faults.lose_frame) {
+                robot.frames += 1;
+                if faults.lose_every > 0 && robot.frames.is_multiple_of(faults.lose_every) {
                     robot.lost += 1;
                 } else if !stand_in.take(&text) {
                     return;
@@ -97,14 +114,16 @@ fn serve(stand_in: &mut StandIn, mut socket: TcpStream, robot: &mut Robot, fault
         (0..5).for_each(|_| robot.ran.extend(stand_in.cycle()));
         let reply = stand_in.reply();
         if let Some((_, rad)) =
-            faults.push.filter(|(tick, _)| !pushed && reply.run > *tick && reply.state == UrState::Stands)
+            faults.push.filter(|(tick, _)| !robot.pushed && reply.run > *tick && reply.state == UrState::Stands)
         {
             stand_in.arm[2] += rad;
-            pushed = true;
+            robot.pushed = true;
         }
         let wrong = faults.wrong_at.is_some_and(|tick| reply.run > tick);
         let reply = if wrong { UrReply { taken: 1_000_000, ..reply } } else { reply };
-        let text = if is(faults.garble_reply) { format!("{reply}7 7\n") } else { format!("{reply}\n") };
+        robot.replies += 1;
+        let is_garbled = faults.garble_every > 0 && robot.replies.is_multiple_of(faults.garble_every);
+        let text = if is_garbled { format!("{reply}7 7\n") } else { format!("{reply}\n") };
         if is(faults.delay_reply) {
             late.push_back(text);
         } else if !is(faults.lose_reply) {

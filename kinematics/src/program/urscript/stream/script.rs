@@ -31,7 +31,7 @@ pub struct UrStreamOptions {
     pub rate: ServoRate,
     /// Ticks that the robot holds, 12 to 960: how long the network may be silent before the robot slows down. Default 75, 0.6 s at 125 Hz.
     pub ring: u32,
-    /// How far a joint may turn from tick to tick, in rad. Default 0.03, 3.75 rad/s at 125 Hz: above what these arms plan, far below a jump that does harm.
+    /// How far a joint may turn from tick to tick, in rad. Default 0.051, 1 % above 2 pi rad/s at 125 Hz: no joint of these arms turns faster.
     pub max_step_rad: f64,
     /// How far a joint may be from where the robot goes on, when it moves off, in rad. Default 0.02: more than the servos are off at rest, 10 mm at a reach of 0.5 m.
     pub max_gap_rad: f64,
@@ -51,7 +51,7 @@ impl Default for UrStreamOptions {
             port: 30050,
             rate: ServoRate::Hz125,
             ring: 75,
-            max_step_rad: 0.03,
+            max_step_rad: 0.051,
             max_gap_rad: 0.02,
             max_move_rad: 0.35,
             stop_s: 0.3,
@@ -65,11 +65,11 @@ pub(super) const MIN_RING: u32 = 12;
 pub(super) const MAX_RING: u32 = 960;
 
 impl UrStreamOptions {
-    /// For a controller of this rate: the ring holds 0.6 s, and joints turn by at most 3.75 rad/s.
+    /// For a controller of this rate: the ring holds 0.6 s, and joints turn by at most 2 pi rad/s and 1 %.
     pub fn of_rate(rate: ServoRate, script: UrScriptOptions) -> Self {
         let (defaults, seconds) = (UrStreamOptions::default(), rate.seconds());
         let ring = (0.6 / seconds).round() as u32;
-        UrStreamOptions { script, rate, ring, max_step_rad: 3.75 * seconds, ..defaults }
+        UrStreamOptions { script, rate, ring, max_step_rad: 1.01 * std::f64::consts::TAU * seconds, ..defaults }
     }
 
     /// Options of a sender for this robot: its window is the ring, and it writes five times as often as the robot needs.
