@@ -11,6 +11,7 @@ mod mould;
 mod outputs;
 mod paths;
 mod surfaces;
+mod track;
 
 use crate::common;
 use curvlay_examples::motion::{OnCell, UR3_CELL};
@@ -74,7 +75,13 @@ fn documented(folder: &str) {
     let tables = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
     for table in tables.filter(|path| path.extension().is_some_and(|ending| ending == "csv")) {
         let text = fs::read_to_string(&table).unwrap();
-        let columns = text.lines().next().unwrap().replace("q6,q7,q8", "q6");
+        let columns = text
+            .lines()
+            .next()
+            .unwrap()
+            .replace("q6,q7,q8", "q6")
+            .replace("q6,track_mm", "q6")
+            .replace("track_mm,turn", "tilt,turn");
         assert!(page.contains(&format!("`{columns}`")), "{}: {columns}", table.display());
     }
 }
