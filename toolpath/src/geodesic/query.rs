@@ -10,9 +10,6 @@ use super::envelope::Window;
 use super::wave::Wave;
 use nalgebra::{Point3, Vector3};
 
-/// Lights are left out if they are beaten by this share: far above rounding.
-const ROUNDING: f64 = 1e-9;
-
 /// The way from a point to the nearest source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
@@ -43,9 +40,7 @@ pub(crate) struct TriangleLights {
     triangle: Option<u32>,
     origin: Point3<f64>,
     axes: [Vector3<f64>; 2],
-    /// A point of the triangle, and what reaches it, with the distances there, which rise.
-    middle: [f64; 2],
-    lights: Vec<(f64, Light)>,
+    lights: Vec<Light>,
 }
 
 impl Light {
@@ -94,34 +89,16 @@ impl TriangleLights {
         }
         self.triangle = Some(triangle);
         (self.origin, self.axes) = distance.axes(triangle);
+        self.lights.clear();
+        distance.lights(triangle, |light| self.lights.push(light));
         // The likeliest first, so that the others lose early.
-        let corners = [1, 2].map(|k| {
+        let [u, v] = [1, 2].map(|k| {
             let mesh = distance.mesh();
             self.flat(mesh.vertices()[mesh.triangles()[triangle as usize][k] as usize])
         });
-        let [u, v] = corners;
         let middle = [(u[0] + v[0]) / 3.0, (u[1] + v[1]) / 3.0];
         let there = |light: &Light| light.reach(middle, f64::INFINITY).map_or(f64::INFINITY, |(distance, _)| distance);
-        self.middle = middle;
-        self.lights.clear();
-        let mut least = f64::INFINITY;
-        distance.lights(triangle, |light| {
-            let there = there(&light);
-            least = least.min(there);
-            self.lights.push((there, light));
-        });
-        // From the middle to a corner each changes by no more than the way is long.
-        let way = [[0.0; 2], u, v].map(|corner| apart(corner, middle)).into_iter().fold(0.0, f64::max);
-        let most = (least + 2.0 * way) * (1.0 + ROUNDING);
-        self.lights.retain(|&(there, _)| there <= most || most.is_nan());
-        self.lights.sort_by_key(|(there, _)| there.to_bits()); // in the order of positive numbers
-    }
-
-    /// The lights that may be the first to reach a point: all behind the first that is beaten are beaten, since none of them changes by more than
-    /// the way from the middle to the point.
-    fn reaching(&self, p: [f64; 2]) -> impl Fn(f64, f64) -> bool {
-        let way = apart(p, self.middle);
-        move |there: f64, best: f64| there - way <= best * (1.0 + ROUNDING)
+        self.lights.sort_by_cached_key(|light| there(light).to_bits()); // in the order of positive numbers
     }
 
     /// A point of the triangle laid flat.
@@ -131,44 +108,30 @@ impl TriangleLights {
 
     /// The distance at a point laid flat.
     pub fn distance(&self, p: [f64; 2]) -> f64 {
-        let [distance] = self.distances([p]);
-        distance
+        self.lights.iter().fold(f64::INFINITY, |best, light| light.reach(p, best).map_or(best, |(found, _)| found))
     }
 
     /// The distances at some points laid flat.
     pub fn distances<const N: usize>(&self, points: [[f64; 2]; N]) -> [f64; N] {
-        points.map(|p| {
-            let may_reach = self.reaching(p);
-            let mut best = f64::INFINITY;
-            for (there, light) in &self.lights {
-                if !may_reach(*there, best) {
-                    break;
-                }
-                best = light.reach(p, best).map_or(best, |(found, _)| found);
+        let mut best = [f64::INFINITY; N];
+        for light in &self.lights {
+            for (best, &p) in best.iter_mut().zip(&points) {
+                *best = light.reach(p, *best).map_or(*best, |(found, _)| found);
             }
-            best
-        })
+        }
+        best
     }
 
     /// The distance, and how it grows along a direction in the plane.
     pub fn slope(&self, p: [f64; 2], [u, v]: [f64; 2]) -> (f64, f64) {
-        let may_reach = self.reaching(p);
         let mut best = (f64::INFINITY, [0.0; 2]);
-        for (there, light) in &self.lights {
-            if !may_reach(*there, best.0) {
-                break;
-            }
+        for light in &self.lights {
             best = light.reach(p, best.0).unwrap_or(best);
         }
         let (distance, [x, y]) = best;
         let length = (x * x + y * y).sqrt();
         (distance, if length > 0.0 { (x * u + y * v) / length } else { 0.0 })
     }
-}
-
-fn apart(p: [f64; 2], q: [f64; 2]) -> f64 {
-    let [x, y] = [p[0] - q[0], p[1] - q[1]];
-    (x * x + y * y).sqrt()
 }
 
 impl SurfaceDistance<'_> {
@@ -298,20 +261,6 @@ mod tests {
                     (barycentric[h as usize % 3], barycentric[next(h) as usize % 3]) = (1.0 - share, share);
                     let (along, inside) = (distance.along(h, share), distance.at(h / 3, barycentric).distance);
                     assert!((along - inside).abs() < 1e-12, "half-edge {h}, {share}: {along}, {inside}");
-                }
-            }
-            // Lights that are left out are beaten all over the triangle.
-            let mut lights = TriangleLights::default();
-            for triangle in 0..mesh.triangles().len() as u32 {
-                lights.load(&distance, triangle);
-                let corners = mesh.triangles()[triangle as usize].map(|v| mesh.vertices()[v as usize].coords);
-                for barycentric in
-                    [[1.0, 0.0, 0.0], [0.3, 0.3, 0.4], [0.0, 0.5, 0.5], [0.05, 0.9, 0.05], [0.6, 0.0, 0.4]]
-                {
-                    let place = (0..3).map(|k| corners[k] * barycentric[k]).sum::<Vector3<f64>>();
-                    let (quick, slow) =
-                        (lights.distance(lights.flat(place.into())), distance.at(triangle, barycentric).distance);
-                    assert!((quick - slow).abs() < 1e-12, "triangle {triangle}, {barycentric:?}: {quick}, {slow}");
                 }
             }
         }
