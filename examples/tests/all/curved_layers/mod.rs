@@ -11,6 +11,7 @@ mod mould;
 mod outputs;
 mod paths;
 mod surfaces;
+mod tmf;
 
 use crate::common;
 use curvlay_examples::motion::{OnCell, UR3_CELL};
