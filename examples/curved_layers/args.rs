@@ -212,6 +212,12 @@ pub enum Extra {
     Apt,
     /// toolpath.csv: every move with every digit.
     Csv,
+    /// build.3mf: mesh and toolpath with nozzle directions, after the Toolpath Extension of 3MF.
+    #[value(name = "3mf")]
+    Tmf,
+    /// beads.build.3mf: the same without travels, for consumers that find their own.
+    #[value(name = "3mf-beads")]
+    TmfBeads,
     /// build.glb: part, layers and beads for viewers of glTF.
     Gltf,
 }
@@ -223,7 +229,7 @@ impl Extra {
             Extra::FieldCsv => Stage::Field,
             Extra::FieldVtk | Extra::LayersObj | Extra::LayersVtk | Extra::Gltf => Stage::Surfaces,
             Extra::PathsObj => Stage::Paths,
-            Extra::Apt | Extra::Csv => Stage::Gcode,
+            Extra::Apt | Extra::Csv | Extra::Tmf | Extra::TmfBeads => Stage::Gcode,
         }
     }
 }

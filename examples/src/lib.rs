@@ -5,6 +5,7 @@
 pub mod args;
 pub mod axis_program;
 pub mod bars;
+pub mod build3mf;
 pub mod clock;
 pub mod count;
 mod finding;

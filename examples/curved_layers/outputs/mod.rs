@@ -15,6 +15,7 @@ mod pictures;
 mod programs;
 mod shown;
 mod surfaces;
+mod tmf;
 mod workcell;
 mod write;
 

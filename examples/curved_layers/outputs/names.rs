@@ -1,12 +1,12 @@
 //! Names of the files that a run writes.
 
-use super::{axes, programs, workcell};
+use super::{axes, programs, tmf, workcell};
 use crate::motion::trajectory;
 use crate::ranges;
 use curvlay_examples::output::SUMMARY;
 
 /// The files that a run may write, but for programs.
-const NAMES: [&str; 31] = [
+const NAMES: [&str; 33] = [
     SUMMARY,
     "report.html",
     "oriented.obj",
@@ -25,6 +25,8 @@ const NAMES: [&str; 31] = [
     "flavour.json",
     "toolpath.apt",
     "toolpath.csv",
+    tmf::FILE,
+    tmf::BEADS_FILE,
     "build.glb",
     "gouging.csv",
     "left_out.csv",

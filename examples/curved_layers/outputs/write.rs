@@ -1,6 +1,6 @@
 //! Writes what the stages have made: files, summary, report, and the tables on stdout.
 
-use super::{axes, build, field, machine, motion, paths, people, programs, surfaces, workcell};
+use super::{axes, build, field, machine, motion, paths, people, programs, surfaces, tmf, workcell};
 use crate::args::{Extra, Stage, failure};
 use crate::job::{Job, Posed, Results};
 use crate::motion::{Motion, of_run, trajectory};
@@ -88,12 +88,16 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
         Stage::Paths => paths.iter().try_for_each(|run| paths::products(args, run, folder)),
         Stage::Gcode => machine.iter().try_for_each(|run| {
             machine::products(args, &part.name, run, (files, folder))?;
+            tmf::products(job, field, run)?;
             files.axes.iter().for_each(|program| axes::find(program, findings));
             findings.say();
             Ok(())
         }),
         Stage::Motion => {
-            machine.iter().try_for_each(|run| machine::products(args, &part.name, run, (files, folder)))?;
+            machine.iter().try_for_each(|run| {
+                machine::products(args, &part.name, run, (files, folder))?;
+                tmf::products(job, field, run)
+            })?;
             let Some(motion) = motion else { return Ok(()) };
             of_run!(motion, run => motion::products(run, folder)?);
             of_run!(motion, run => workcell::write(run, args.motion.workcell.as_deref(), folder)?);

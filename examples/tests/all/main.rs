@@ -5,6 +5,7 @@ mod args;
 mod axis_program;
 mod best_orientation;
 mod boge;
+mod build3mf;
 mod calibrate;
 mod check_cell;
 mod clock;

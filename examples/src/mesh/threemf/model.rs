@@ -2,6 +2,7 @@
 
 use super::super::fault::{MeshFault, package_fault, quoted};
 use super::package::absolute;
+use crate::build3mf::OURS;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -9,7 +10,7 @@ use std::fmt::Display;
 /// Elements that are taken from one model.
 const MAX_NODES: u32 = 1 << 24;
 /// Extensions that are read, or change nothing about shapes.
-const KNOWN: [&str; 3] = ["/production/", "/material/", "/securecontent/"];
+const KNOWN: [&str; 5] = ["/production/", "/material/", "/securecontent/", "/toolpath/", OURS];
 /// Resources that hold materials.
 const MATERIALS: [&str; 6] =
     ["basematerials", "colorgroup", "texture2dgroup", "compositematerials", "multiproperties", "texture2d"];

@@ -11,6 +11,7 @@ mod mould;
 mod outputs;
 mod paths;
 mod surfaces;
+mod tmf;
 mod track;
 
 use crate::common;
