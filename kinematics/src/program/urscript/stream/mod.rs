@@ -56,13 +56,15 @@
 //! [`UrStreamSender`] is the sender without sockets and without a clock. [`write_ur_stream`] writes the robot's side.
 
 mod frame;
+mod options;
 mod script;
 mod sender;
 mod tick;
 
 pub use frame::{UrFault, UrFrame, UrReply, UrState};
-pub use script::{UrStreamOptions, write_ur_stream};
-pub use sender::{UrSenderOptions, UrStreamProgress, UrStreamSender};
+pub use options::{UrSenderOptions, UrStreamOptions};
+pub use script::write_ur_stream;
+pub use sender::{UrStreamProgress, UrStreamSender};
 pub use tick::{UrStreamJob, UrTick, UrTicks};
 
 /// Version of the protocol.

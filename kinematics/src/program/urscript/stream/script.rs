@@ -1,98 +1,16 @@
 //! The robot's side of the stream in URScript.
 
+use super::VERSION;
 use super::frame::{HEAD, NUMBERS, OF_TICK, SUM_ERROR};
-use super::tick::MAX_FILAMENT_MM_S;
-use super::{UrSenderOptions, VERSION};
+use super::options::{MAX_RING, MIN_RING, UrStreamOptions};
+use crate::program::WriteError;
 use crate::program::check::check_option;
 use crate::program::text::Text;
 use crate::program::text::names::{Language, check_name};
 use crate::program::urscript::extruder::{RPM, SPEED, STEP, SWITCH};
-use crate::program::urscript::write::{check_options, tighten, write_full_scale, write_pose};
+use crate::program::urscript::write::{check_options, write_full_scale, write_pose};
 use crate::program::urscript::{DECIMALS, FULL_SCALE, MM_PER_M, UrExtruder, UrScriptOptions};
-use crate::program::{ProgramLimits, ServoRate, WriteError};
 use std::io::Write;
-use std::net::Ipv4Addr;
-
-/// How the robot's side of a stream is written.
-///
-/// # On the controller
-/// The program is loaded and started like any other of ours; it ends with the print, with a stop, or with a fault, and has to be started again for the next print.
-/// It drives nowhere by itself: the first tick of a print is a move by joints of at most [`max_move_rad`](Self::max_move_rad), so the arm has to be jogged near to
-/// where the print begins.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UrStreamOptions {
-    /// Frames, payload, extruder, accelerations and `servoj`, as in a program without a stream.
-    pub script: UrScriptOptions,
-    /// Address of the sender, as the robot sees it.
-    pub address: Ipv4Addr,
-    /// TCP port at which the sender listens. Default 30050.
-    pub port: u16,
-    /// The controller's rate. Default 125 Hz.
-    pub rate: ServoRate,
-    /// Ticks that the robot holds, 12 to 960: how long the network may be silent before the robot slows down. Default 75, 0.6 s at 125 Hz.
-    pub ring: u32,
-    /// How far a joint may turn from tick to tick, in rad. Default 0.051, 1 % above 2 pi rad/s at 125 Hz: no joint of these arms turns faster.
-    pub max_step_rad: f64,
-    /// How far a joint may be from where the robot goes on, when it moves off, in rad. Default 0.02: more than the servos are off at rest, 10 mm at a reach of 0.5 m.
-    pub max_gap_rad: f64,
-    /// How far a joint may turn in a move by joints, in rad. Default 0.35, 20 degrees: the arm is near to where the print begins.
-    pub max_move_rad: f64,
-    /// How long a full stop takes, in seconds, along the path. Default 0.3.
-    pub stop_s: f64,
-    /// After so many seconds without a frame the robot stops and makes a new connection. Default 1.
-    pub silence_s: f64,
-}
-
-impl Default for UrStreamOptions {
-    fn default() -> Self {
-        UrStreamOptions {
-            script: UrScriptOptions::default(),
-            address: Ipv4Addr::LOCALHOST,
-            port: 30050,
-            rate: ServoRate::Hz125,
-            ring: 75,
-            max_step_rad: 0.051,
-            max_gap_rad: 0.02,
-            max_move_rad: 0.35,
-            stop_s: 0.3,
-            silence_s: 1.0,
-        }
-    }
-}
-
-/// Fewest and most ticks in a ring.
-pub(super) const MIN_RING: u32 = 12;
-pub(super) const MAX_RING: u32 = 960;
-
-impl UrStreamOptions {
-    /// For a controller of this rate: the ring holds 0.6 s, and joints turn by at most 2 pi rad/s and 1 %.
-    pub fn of_rate(rate: ServoRate, script: UrScriptOptions) -> Self {
-        let (defaults, seconds) = (UrStreamOptions::default(), rate.seconds());
-        let ring = (0.6 / seconds).round() as u32;
-        UrStreamOptions { script, rate, ring, max_step_rad: 1.01 * std::f64::consts::TAU * seconds, ..defaults }
-    }
-
-    /// Options of a sender for this robot: its window is the ring, and it writes five times as often as the robot needs.
-    pub fn sender(&self) -> UrSenderOptions {
-        let heartbeat = std::time::Duration::from_secs_f64(0.2 * self.silence_s.clamp(0.05, 60.0));
-        UrSenderOptions { window: self.ring, heartbeat, ..UrSenderOptions::default() }
-    }
-
-    /// The fastest filament that the extruder's signal holds, in mm/s.
-    pub fn max_filament_mm_s(&self) -> f64 {
-        let script = &self.script;
-        script.extruder.max_mm_s(script).min(script.limits.filament_mm_s).min(MAX_FILAMENT_MM_S)
-    }
-
-    /// The limits of the program and those of its arm.
-    pub(super) fn limits(&self) -> ProgramLimits {
-        let mut limits = self.script.limits;
-        if let Some(arm) = &self.script.arm {
-            tighten(&mut limits, &ProgramLimits::of_arm(arm));
-        }
-        limits
-    }
-}
 
 /// Writes the program that the robot runs.
 ///

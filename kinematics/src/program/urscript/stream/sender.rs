@@ -1,38 +1,11 @@
 //! The sender as a state machine: what to write next, given what came and what time it is. No sockets, no clock.
 
 use super::frame::{UrFrame, UrReply, UrState};
+use super::options::{MAX_RING, UrSenderOptions};
 use super::tick::UrTick;
 use super::{UrStreamError, UrStreamJob};
 use std::collections::VecDeque;
 use std::time::Duration;
-
-/// How a print is sent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct UrSenderOptions {
-    /// Ticks that are sent and not yet run, at most: places of the robot's ring ([`UrStreamOptions::ring`](super::UrStreamOptions::ring)). Default 75.
-    pub window: u32,
-    /// A frame is written at least this often, if only to say that the sender is there: well below
-    /// [`UrStreamOptions::silence_s`](super::UrStreamOptions::silence_s). Default 0.2 s.
-    pub heartbeat: Duration,
-    /// When ticks that were sent are not taken for so long, they are sent again. Default 0.5 s.
-    pub retry: Duration,
-    /// A connection on which nothing comes for so long is dead. Default 2 s.
-    pub silence: Duration,
-    /// So many connections one after the other without progress are an error. Default 10.
-    pub max_tries: u32,
-}
-
-impl Default for UrSenderOptions {
-    fn default() -> Self {
-        UrSenderOptions {
-            window: 75,
-            heartbeat: Duration::from_millis(200),
-            retry: Duration::from_millis(500),
-            silence: Duration::from_secs(2),
-            max_tries: 10,
-        }
-    }
-}
 
 /// How far a print is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,8 +88,8 @@ impl<I: Iterator<Item = Result<UrTick, UrStreamError>>> UrStreamSender<I> {
     /// [`UrStreamError::Option`].
     pub fn new(ticks: I, job: UrStreamJob, options: UrSenderOptions) -> Result<Self, UrStreamError> {
         let wrong = |what, value, min, max| Err(UrStreamError::Option { what, value, min, max });
-        if !(1..=super::script::MAX_RING).contains(&options.window) {
-            return wrong("window", f64::from(options.window), 1.0, f64::from(super::script::MAX_RING));
+        if !(1..=MAX_RING).contains(&options.window) {
+            return wrong("window", f64::from(options.window), 1.0, f64::from(MAX_RING));
         }
         if options.max_tries == 0 {
             return wrong("max_tries", 0.0, 1.0, f64::from(u32::MAX));

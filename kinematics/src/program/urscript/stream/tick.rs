@@ -1,6 +1,7 @@
 //! Ticks of a print, and its number.
 
-use super::{MAX_TICKS, UrStreamError, UrStreamOptions};
+use super::options::UrStreamOptions;
+use super::{MAX_TICKS, UrStreamError};
 use crate::program::{Goal, Move, Step, Zone};
 
 /// A posture that the robot runs through, and the speed of the filament on the way to it.
@@ -16,8 +17,6 @@ pub struct UrTick {
 
 /// Farthest turn of a joint that a frame holds, in radians: joints of these arms turn by 2 pi either way.
 const MAX_RAD: f64 = 100.0;
-/// Fastest filament that a frame holds, in mm/s.
-pub(super) const MAX_FILAMENT_MM_S: f64 = 1000.0;
 /// Slowest and fastest move by joints, in rad/s.
 const MOVE_RAD_S: [f64; 2] = [1e-3, std::f64::consts::TAU];
 const JOINTS: [&str; 6] = ["joint 1", "joint 2", "joint 3", "joint 4", "joint 5", "joint 6"];
