@@ -1,0 +1,11 @@
+//! What a build says beside mesh and segments.
+
+/// What a build says beside mesh and segments.
+#[derive(Clone, Copy, Debug)]
+pub struct BuildOptions<'a> {
+    /// Name of the part.
+    pub name: &'a str,
+    /// Writes travels as segments, and marks our namespace as required: a consumer that does not know it would lay beads on them. Without them
+    /// consumers find ways of their own from bead to bead, through the part if they do not know better.
+    pub travels: bool,
+}
