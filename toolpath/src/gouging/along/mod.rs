@@ -20,6 +20,7 @@
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
+mod turned;
 mod turns;
 
 use super::built::{after, before};
@@ -31,6 +32,7 @@ use crate::layer::DirectionHints;
 use crate::orientation::{TURN_ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
 use nalgebra::{Unit, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
+use turned::Turned;
 
 /// Where none frees, the direction that is least deep is looked for up to this depth, to [`DEEPER_STEP`], in layer heights.
 const DEEPEST: f64 = 3.0;
@@ -109,6 +111,8 @@ struct Walker<'a> {
     stack: Vec<(f64, u32)>,
     /// What searches for a tilt of one waypoint found, or on one leg.
     points: Points,
+    /// What step 7 has turned.
+    turned: Turned,
     /// What is near a way.
     near: Vec<u32>,
 }
@@ -227,7 +231,16 @@ impl<'a> Walker<'a> {
         let before = before(&path.waypoints, start);
         let steps = path.waypoints.iter().zip(before).enumerate();
         let steps = steps.map(|(k, (&waypoint, before))| Step::new(waypoint, before, Some(k))).collect();
-        Walker { scene, options, hints, steps, stack: Vec::new(), points: Points::default(), near: Vec::new() }
+        Walker {
+            turned: Turned::default(),
+            scene,
+            options,
+            hints,
+            steps,
+            stack: Vec::new(),
+            points: Points::default(),
+            near: Vec::new(),
+        }
     }
 }
 
@@ -394,7 +407,7 @@ impl Walker<'_> {
         self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
         if let Some(direction) = free.filter(within) {
-            self.steps[k].waypoint.axis = direction;
+            self.turn_to(k, direction);
         }
     }
 

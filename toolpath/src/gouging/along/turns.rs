@@ -1,9 +1,11 @@
 //! Turns that are too sharp for the way: directions that meet, and cuts where they do not. Steps 7 and 8 of the module above.
 
+use super::turned::Turned;
 use super::{Step, Walker};
 use crate::gouging::GougingOptions;
 use crate::gouging::deepest::Stand;
 use crate::orientation::{TURN_ROUNDING, Waypoint, angle, part_way};
+use nalgebra::UnitVector3;
 
 /// Rounds of step 7 for a pair. Most pairs that meet at all do so in the first two.
 const MEETINGS: usize = 4;
@@ -18,44 +20,93 @@ const ENDS: u8 = 8;
 /// Length of the path of a waypoint between two cuts: far below what any machine resolves, so the nozzle is as free.
 const DOT_MM: f64 = 1e-3;
 
+/// How far neighbours are from each other and how far they turn, each with the one before.
+struct Pairs {
+    ways: Vec<f64>,
+    turns: Vec<f64>,
+}
+
+impl Pairs {
+    fn of(walker: &Walker) -> Self {
+        let all = 1..walker.steps.len();
+        let way = |k: usize| (walker.steps[k].waypoint.position - walker.steps[k - 1].waypoint.position).norm();
+        Pairs {
+            ways: std::iter::once(0.0).chain(all.clone().map(way)).collect(),
+            turns: std::iter::once(0.0).chain(all.map(|k| walker.turn(k - 1, k))).collect(),
+        }
+    }
+
+    /// Some waypoints have other directions.
+    fn update(&mut self, walker: &Walker, turned: impl Iterator<Item = usize>) {
+        for k in turned.flat_map(|k| [k, k + 1]).filter(|&k| k > 0 && k < walker.steps.len()) {
+            self.turns[k] = walker.turn(k - 1, k);
+        }
+    }
+}
+
 impl Walker<'_> {
+    /// Gives a waypoint another direction.
+    pub(super) fn turn_to(&mut self, k: usize, direction: UnitVector3<f64>) {
+        let before = std::mem::replace(&mut self.steps[k].waypoint.axis, direction);
+        if let Some(turned) = &mut self.turned.before {
+            turned.push((k, before));
+            self.turned.unsettle(k);
+        }
+    }
+
     /// Step 7; whether any two came nearer.
     pub(super) fn meet(&mut self) -> bool {
+        let mut pairs = Pairs::of(self);
+        let mut cuts = self.cuts(&pairs);
+        if cuts.is_empty() {
+            return false;
+        }
+        self.turned = Turned { before: Some(Vec::new()), settled: vec![[false; 2]; self.steps.len()] };
         let mut any = false;
-        let mut cuts = self.cuts();
         for k in cuts.clone() {
-            let before = self.steps.clone();
             if self.meet_at(k) {
                 self.follow_around(k);
             }
-            let now = self.cuts();
+            let turned = self.turned.before.replace(Vec::new()).unwrap_or_default();
+            if turned.is_empty() {
+                continue;
+            }
+            pairs.update(self, turned.iter().map(|&(k, _)| k));
+            let now = self.cuts(&pairs);
             // Only as a whole: to turn one pair may sharpen others.
             if now.len() < cuts.len() {
                 (any, cuts) = (true, now);
-            } else {
-                self.steps = before;
+                continue;
             }
+            for &(k, before) in turned.iter().rev() {
+                self.steps[k].waypoint.axis = before;
+                self.turned.unsettle(k);
+            }
+            pairs.update(self, turned.iter().map(|&(k, _)| k));
         }
+        self.turned = Turned::default();
         any
     }
 
     /// Where the path is to be cut, so that on no millimetre of a piece the nozzle turns by more than the limit: the first waypoints of the
     /// pieces behind. Of the steps of such a millimetre it is the one that turns most for its length.
-    fn cuts(&self) -> Vec<usize> {
+    fn cuts(&self, pairs: &Pairs) -> Vec<usize> {
         let GougingOptions { max_turn, max_turn_per_mm: per_mm, .. } = *self.options;
-        let way = |k: usize| (self.steps[k].waypoint.position - self.steps[k - 1].waypoint.position).norm();
-        let excess = |k: usize| self.turn(k - 1, k) - per_mm * way(k);
+        let Pairs { ways, turns } = pairs;
+        let excess = |k: usize| turns[k] - per_mm * ways[k];
         let (mut cuts, mut piece) = (Vec::new(), 0);
         let mut k = 1;
         // Windows that end at step `k`, and begin in the same piece.
         while k < self.steps.len() {
-            let (mut from, mut length) = (k, 0.0);
+            let (mut from, mut length, mut sum) = (k, 0.0, 0.0);
             let is_sharp = loop {
                 from -= 1;
-                length += way(from + 1);
+                length += ways[from + 1];
+                sum += turns[from + 1];
                 let limit = per_mm * f64::max(length, WINDOW_MM);
                 let limit = if from + 1 == k { limit.min(max_turn) } else { limit };
-                if self.turn(from, k) > limit + TURN_ROUNDING {
+                // A turn is no larger than the turns on its way together.
+                if sum > limit && self.turn(from, k) > limit + TURN_ROUNDING {
                     break true;
                 }
                 if from == piece || length >= WINDOW_MM {
@@ -87,26 +138,37 @@ impl Walker<'_> {
                 self.points.clear();
                 // Each in turn goes to the free direction nearest to the other's: the angle between them never grows.
                 if let Some(direction) = self.least_tilt(other, wanted, self.turn(k - 1, k)) {
-                    self.steps[other].waypoint.axis = direction;
+                    self.turn_to(other, direction);
                 }
             }
         }
         self.turn(k - 1, k) <= self.limit(k - 1, k) + TURN_ROUNDING
     }
 
-    /// Step 2 from a waypoint and the one before to both ends.
+    /// Step 2 from a waypoint and the one before to both ends. What a waypoint turns to depends on the directions of the two alone: where
+    /// neither has turned since it changed nothing, it changes nothing again.
     fn follow_around(&mut self, k: usize) {
         for k in k + 1..self.steps.len() {
-            self.follow(k - 1, k);
+            self.follow_unless_settled(k - 1, k, 0);
         }
         for k in (1..k).rev() {
-            self.follow(k, k - 1);
+            self.follow_unless_settled(k, k - 1, 1);
         }
+    }
+
+    fn follow_unless_settled(&mut self, leader: usize, k: usize, way: usize) {
+        let pair = leader.max(k);
+        if self.turned.settled[pair][way] {
+            return;
+        }
+        let before = self.turned.count();
+        self.follow(leader, k);
+        self.turned.settled[pair][way] = self.turned.count() == before;
     }
 
     /// Step 8.
     pub(super) fn cut(&mut self) {
-        let mut cuts = self.cuts().into_iter().peekable();
+        let mut cuts = self.cuts(&Pairs::of(self)).into_iter().peekable();
         let old = std::mem::take(&mut self.steps);
         // A point put between is looked at with what is there at the sample before. Where a piece begins with it, that one's bead lies there too.
         let (mut is_cut, mut begun) = (false, None);
