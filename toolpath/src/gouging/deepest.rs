@@ -12,10 +12,7 @@
 //! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
 //! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
 //!
-//! Most of the time goes into the tree, so poses on one short way share one walk: it gathers the triangles that some pose may come near, and
-//! each pose looks at these alone. What it finds is the same. A tip goes along the layer, so the flat below it hardly nears what it moves
-//! over: each face of the nozzle is bounded by itself, by how far the tip goes along the axis and across it, and there is
-//! mostly nothing left to look at.
+//! Poses on one short way share one walk down the tree (`sweep`): each looks at what some of them may come near.
 
 use super::nozzle::{Nozzle, NozzlePart, Sway};
 use super::obstacle::Obstacle;
@@ -88,7 +85,7 @@ impl Worst {
 
 impl Stand {
     /// How far the sheets are from a surface of a layer of this height.
-    fn offset(&self, height: f64) -> f64 {
+    pub fn offset(&self, height: f64) -> f64 {
         (0.5 - self.allowed).max(0.0) * height
     }
 
@@ -98,10 +95,10 @@ impl Stand {
     }
 }
 
-struct Seeker<'a> {
-    nozzle: &'a Nozzle,
+pub(super) struct Seeker<'a> {
+    pub nozzle: &'a Nozzle,
     rims: &'a [[Point3<f64>; 2]],
-    stand: Stand,
+    pub stand: Stand,
     direction: Vector3<f64>,
     rough: f64,
     worst: Option<Worst>,
@@ -113,7 +110,7 @@ struct Seeker<'a> {
 impl Seeker<'_> {
     /// Height of a point above the tip, its distance from the axis, and the direction to it from there. On the axis that
     /// is nowhere: the distance grows whichever way one goes.
-    fn place(&self, p: Point3<f64>) -> (f64, f64, Vector3<f64>) {
+    pub fn place(&self, p: Point3<f64>) -> (f64, f64, Vector3<f64>) {
         let v = p - self.stand.tip;
         let z = v.dot(&self.direction);
         let across = v - self.direction * z;
@@ -122,7 +119,7 @@ impl Seeker<'_> {
     }
 
     /// No point of a triangle has less clearance than this.
-    fn least(&self, corners: &[Point3<f64>; 3], sway: &Sway) -> f64 {
+    pub fn least(&self, corners: &[Point3<f64>; 3], sway: &Sway) -> f64 {
         let middle = centroid(corners);
         let (z, rho, out) = self.place(middle);
         let to_corners = corners.map(|corner| corner - middle);
@@ -130,10 +127,17 @@ impl Seeker<'_> {
     }
 
     /// Nor any point of the sheets in a box.
-    fn least_in(&self, node: &Node, sway: &Sway) -> f64 {
+    pub fn least_in(&self, node: &Node, sway: &Sway) -> f64 {
         let (z, rho, out) = self.place(node.middle);
         let reach = |along: f64, across: f64| node.half.dot(&(self.direction * along + out * across).abs());
         self.nozzle.least_around(z, rho, sway, reach) - self.stand.offset(node.height)
+    }
+
+    /// How far the sheets in a box are below the tip, at least: no more than their clearance.
+    pub fn below(&self, node: &Node) -> f64 {
+        let (middle, half) =
+            ((node.middle - self.stand.tip).dot(&self.direction), node.half.dot(&self.direction.abs()));
+        -middle - half - self.stand.offset(node.height)
     }
 
     /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.
@@ -151,26 +155,26 @@ impl Seeker<'_> {
     fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
         let corners = base.map(|(corner, normal)| corner + normal * offset);
         let needed = self.stand.clearance(triangle.height);
-        let least = self.least(&corners, &Sway::default()) - needed;
+        let middle = centroid(&corners);
+        let (z, rho, out) = self.place(middle);
+        let to_corners = corners.map(|corner| corner - middle);
+        let in_plane = to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]);
+        let least = self.nozzle.least_over(z, rho, &Sway::default(), in_plane) - needed;
         // No point of the piece is worse than the worst so far.
         if least >= self.bound {
             return false;
         }
-        let middle = centroid(&corners);
-        let (z, rho, _) = self.place(middle);
         let lack = self.nozzle.clearance(z, rho) - needed;
-        let reach = |points: &[Point3<f64>; 3], middle: Point3<f64>| {
-            points.iter().map(|point| (point - middle).norm_squared()).fold(0.0, f64::max).sqrt()
-        };
-        let radius = reach(&corners, middle);
-        let (skin, flat) = (self.stand.allowed.min(0.5) * triangle.height, base.map(|(corner, _)| corner));
-        let foot = centroid(&flat);
-        let to_rim = self.to_rim(foot, triangle).sqrt();
-        // All of the piece is nearer to the boundary of the layer than the skin that may be entered from the side.
-        if to_rim + reach(&flat, foot) < skin {
+        // Most pieces that are looked at lie across the edge of the tip.
+        if lack >= self.bound && self.nozzle.least_over_edges(z, rho, in_plane) - needed >= self.bound {
             return false;
         }
-        if lack < self.bound && to_rim >= skin {
+        let has_skin = match self.skin(&base, triangle) {
+            Skin::All => return false,
+            Skin::Middle => true,
+            Skin::None => false,
+        };
+        if lack < self.bound && !has_skin {
             let (height, obstacle) = (triangle.height, Obstacle::of(triangle));
             self.worst = Some(Worst { point: middle, lack, height, obstacle });
             // A point that is worse by less than this is not looked for: the walk ends sooner.
@@ -179,6 +183,7 @@ impl Seeker<'_> {
                 return true;
             }
         }
+        let radius = to_corners.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt();
         if least >= self.bound || radius <= PIECE * triangle.height {
             return false;
         }
@@ -189,6 +194,30 @@ impl Seeker<'_> {
         let half = (nalgebra::center(&from.0, &to.0), (from.1 + to.1) / 2.0);
         self.piece([from, half, tip], triangle, offset) || self.piece([half, to, tip], triangle, offset)
     }
+
+    /// How much of a piece is nearer to the boundary of the layer than the skin that may be entered from the side.
+    fn skin(&self, base: &[Corner; 3], triangle: &Triangle) -> Skin {
+        if triangle.rims[0] == triangle.rims[1] {
+            return Skin::None;
+        }
+        let skin = self.stand.allowed.min(0.5) * triangle.height;
+        let flat = base.map(|(corner, _)| corner);
+        let foot = centroid(&flat);
+        let to_rim = self.to_rim(foot, triangle).sqrt();
+        let reach = flat.iter().map(|corner| (corner - foot).norm_squared()).fold(0.0, f64::max).sqrt();
+        match to_rim {
+            _ if to_rim + reach < skin => Skin::All,
+            _ if to_rim < skin => Skin::Middle,
+            _ => Skin::None,
+        }
+    }
+}
+
+/// What of a piece is skin: all, its middle at least, or not its middle.
+enum Skin {
+    All,
+    Middle,
+    None,
 }
 
 /// A corner of a piece, and the normal there.
@@ -200,6 +229,10 @@ fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
 
 impl Walk for Seeker<'_> {
     fn bound(&self, node: &Node) -> f64 {
+        // Most of what is built lies below the tip.
+        if self.below(node) >= self.bound {
+            return f64::INFINITY;
+        }
         self.least_in(node, &Sway::default())
     }
 
@@ -217,42 +250,6 @@ impl Walk for Seeker<'_> {
         // The outer sheets first: where they are gouged the middle one is not asked.
         let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
         sheets.iter().any(|side| self.piece(base, triangle, side * offset))
-    }
-}
-
-/// A seeker whose nozzle moves: what no pose on the way comes near does not matter.
-struct Sweeper<'a> {
-    at: Seeker<'a>,
-    /// How far the tip goes from where it is along the direction and across it, in millimetres, and how far the direction turns, in radians.
-    along: f64,
-    across: f64,
-    turns: f64,
-}
-
-impl Sweeper<'_> {
-    /// How far the nozzle is from where it is, seen from points no farther from its tip than `reach`: a turn moves them by no more than
-    /// their distance from the tip, wherever that is on the way, times the turn.
-    fn sway(&self, reach: f64) -> Sway {
-        let &Sweeper { along, across, turns, .. } = self;
-        Sway { along, across, turned: turns * (reach + along + across) }
-    }
-
-    /// Whether no pose on the way comes near a box.
-    fn clears_box(&self, node: &Node) -> bool {
-        let radius = node.half.norm() + self.at.stand.offset(node.height);
-        let sway = self.sway((node.middle - self.at.stand.tip).norm() + radius);
-        // Most are so far away that a ball around them is clear.
-        let (z, rho, _) = self.at.place(node.middle);
-        let is_far = self.at.nozzle.clearance(z, rho) >= radius + sway.along + sway.across + sway.turned;
-        is_far || self.at.least_in(node, &sway) >= 0.0
-    }
-
-    /// Whether no pose on the way comes near a triangle.
-    fn clears(&self, triangle: &Triangle) -> bool {
-        let offset = self.at.stand.offset(triangle.height);
-        let squares = triangle.corners.map(|corner| (corner - self.at.stand.tip).norm_squared());
-        let reach = squares.into_iter().fold(0.0, f64::max).sqrt() + offset;
-        self.at.least(&triangle.corners, &self.sway(reach)) - offset >= 0.0
     }
 }
 
@@ -275,33 +272,9 @@ impl<'a> Scene<'a> {
         seeker.worst
     }
 
-    fn seeker(&self, stand: Stand, direction: &UnitVector3<f64>, rough: f64, any: bool) -> Seeker<'a> {
+    pub(super) fn seeker(&self, stand: Stand, direction: &UnitVector3<f64>, rough: f64, any: bool) -> Seeker<'a> {
         let direction = direction.into_inner();
         Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any }
-    }
-
-    /// The triangles that a nozzle may gouge on a way: for [`Scene::is_free_of`].
-    ///
-    /// # Arguments
-    /// * `stand`, `direction`: a pose on the way.
-    /// * `moves`: no pose has its tip farther away than this, along the direction and across it, in millimetres.
-    /// * `turns`: nor another direction by more than this, in radians.
-    pub fn near(
-        &self,
-        stand: Stand,
-        direction: &UnitVector3<f64>,
-        [along, across]: [f64; 2],
-        turns: f64,
-        near: &mut Vec<u32>,
-    ) {
-        let sweeper = Sweeper { at: self.seeker(stand, direction, 0.0, true), along, across, turns };
-        near.clear();
-        let clears = |node: &Node| sweeper.clears_box(node);
-        self.tree.each(self.keys, stand.before, clears, |number, triangle| {
-            if !sweeper.clears(triangle) {
-                near.push(number);
-            }
-        });
     }
 
     /// As [`Scene::is_free`], at a pose on a way with no more built and the same allowed, given the triangles near it.

@@ -29,6 +29,7 @@ mod options;
 mod order;
 mod resolve;
 mod resolved;
+mod sweep;
 mod tilt;
 
 pub use contact::{ContactError, Contacts, Moment};

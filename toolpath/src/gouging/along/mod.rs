@@ -20,6 +20,7 @@
 //!
 //! A direction is only ever replaced by one that is free at its waypoint, whatever the step: so all that were freed stay free.
 
+mod legs;
 mod turned;
 mod turns;
 
@@ -48,9 +49,6 @@ const INSERTIONS: usize = 3;
 /// Where legs are looked at in step 6, the middle first, and how often.
 const LOOKS: [f64; 7] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875];
 const DIVISIONS: usize = 3;
-
-/// What is near a way is gathered with this much to spare, in millimetres and radians.
-const REACH_TO_SPARE: f64 = 1e-9;
 
 /// Rounds of step 4, and how far around a tilted waypoint it goes.
 const MEANS: usize = 6;
@@ -487,39 +485,6 @@ impl Walker<'_> {
             self.steps.push(step);
         }
         any
-    }
-
-    /// Whether nothing near is gouged where legs are looked at.
-    fn is_free_between(&self, last: &Step, step: &Step) -> bool {
-        if self.near.is_empty() && self.is_above_plate(last, step) {
-            return true;
-        }
-        LOOKS.iter().filter_map(|&share| part_way(&last.waypoint, &step.waypoint, share)).all(|waypoint| {
-            let stand = Stand { tip: waypoint.position, before: last.before, allowed: self.options.allowed_depth };
-            self.scene.is_free_of(&self.near, stand, &waypoint.axis)
-        })
-    }
-
-    fn is_above_plate(&self, last: &Step, step: &Step) -> bool {
-        let end = |step: &Step| {
-            let stand = Stand { tip: step.waypoint.position, before: step.before, allowed: self.options.allowed_depth };
-            (stand, step.waypoint.axis)
-        };
-        self.scene.above_plate_along([last, step].map(end))
-    }
-
-    /// What the nozzle may gouge from one waypoint to another, both included, with what has a key below `before`.
-    fn gather(&mut self, last: &Step, step: &Step, before: u32) {
-        self.near.clear();
-        let Some(middle) = part_way(&last.waypoint, &step.waypoint, 0.5) else { return };
-        let stand = Stand { tip: middle.position, before, allowed: self.options.allowed_depth };
-        // Half of both, and a little for rounding.
-        let moves = 0.5 * (step.waypoint.position - last.waypoint.position);
-        let along = moves.dot(&middle.axis).abs();
-        let across = (moves.norm_squared() - along * along).max(0.0).sqrt();
-        let moves = [along, across].map(|moves| moves + REACH_TO_SPARE);
-        let turns = 0.5 * angle(&last.waypoint.axis, &step.waypoint.axis) + REACH_TO_SPARE;
-        self.scene.near(stand, &middle.axis, moves, turns, &mut self.near);
     }
 
     /// Puts a waypoint that is free a share of the way from one to another, if the nozzle gouges there; whether it did.
