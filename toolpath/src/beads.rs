@@ -86,7 +86,16 @@ impl BeadGrid {
 
     /// The pieces within reach of a place, and some others; some more than once.
     pub fn around(&self, at: Point3<f64>) -> impl Iterator<Item = u32> {
-        let around = with_neighbours(cell_of(at, self.side));
-        around.filter_map(|cell| self.cells.get(&cell)).flatten().copied()
+        self.in_and_around(self.cell(at))
+    }
+
+    /// The cell that a place is in.
+    pub fn cell(&self, at: Point3<f64>) -> [i64; 3] {
+        cell_of(at, self.side)
+    }
+
+    /// The same for all places of a cell.
+    pub fn in_and_around(&self, cell: [i64; 3]) -> impl Iterator<Item = u32> {
+        with_neighbours(cell).filter_map(|cell| self.cells.get(&cell)).flatten().copied()
     }
 }

@@ -36,6 +36,9 @@ const MAX_COORDINATE_MM: f64 = 1e7;
 /// A bead lies on a mould that faces its nozzle by 60 degrees: the cosine. A wall beside it does not carry it.
 const FACING: f64 = 0.5;
 
+/// What is farther away by this share is too far, however distances are rounded.
+const ROUNDING: f64 = 1e-9;
+
 /// More places than this are refused: the step is a slip of the unit.
 const MAX_PLACES: f64 = 1e9;
 
@@ -384,6 +387,21 @@ struct DepositedBeads {
     span_bend: f64,
 }
 
+/// What was found for the place before on a path.
+#[derive(Default)]
+struct Looked {
+    /// The segment that carries it.
+    last: Option<u32>,
+    /// Its cell of the grid, and the segments in and around it that may carry the path.
+    cell: Option<[i64; 3]>,
+    around: Vec<u32>,
+}
+
+/// Beads of its own layer do not carry: they lie beside it. Later paths are not there yet.
+fn may_carry(other: &Segment, segment: &Segment) -> bool {
+    other.path < segment.path && other.layer != segment.layer
+}
+
 /// What is known of a piece of a bead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Hold {
@@ -451,8 +469,7 @@ impl DepositedBeads {
     /// The runs of a path in which all is alike, with their lengths along it. On a closed path the last one goes on into the first.
     fn runs(&self, number: usize, path: &ToolPath) -> Vec<(Hold, [f64; 2])> {
         let mut runs: Vec<(Hold, [f64; 2])> = Vec::new();
-        // What carried the place before most likely carries this one.
-        let mut last = None;
+        let mut looked = Looked::default();
         let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
         for segment in &self.segments[self.firsts[number]..end] {
             let [a, b] = &segment.ends;
@@ -463,7 +480,9 @@ impl DepositedBeads {
             for k in 0..steps as usize {
                 let hold = match is_judged {
                     false => Hold::Unknown,
-                    true if self.is_supported(segment, &a.toward(b, (k as f64 + 0.5) / steps), &mut last) => Hold::Held,
+                    true if self.is_supported(segment, &a.toward(b, (k as f64 + 0.5) / steps), &mut looked) => {
+                        Hold::Held
+                    }
                     true => Hold::OnNothing,
                 };
                 let [from, to] = [k, k + 1].map(|k| a.arc + (b.arc - a.arc) * (k as f64 / steps));
@@ -481,7 +500,7 @@ impl DepositedBeads {
         runs
     }
 
-    fn is_supported(&self, segment: &Segment, at: &Section, last: &mut Option<u32>) -> bool {
+    fn is_supported(&self, segment: &Segment, at: &Section, looked: &mut Looked) -> bool {
         if self.plate && at.middle.z <= self.max_mm {
             return true;
         }
@@ -491,16 +510,29 @@ impl DepositedBeads {
         if self.mould.as_ref().is_some_and(|mould| mould.has(at.middle, self.max_mm, is_below)) {
             return true;
         }
-        // Beads of its own layer do not carry: they lie beside it. Later paths are not there yet.
-        let carries = |other: &u32| {
-            let other = &self.segments[*other as usize];
-            other.path < segment.path && other.layer != segment.layer && self.is_below(&other.ends, at)
+        // What carried the place before most likely carries this one, or what lies before or behind that on its path.
+        let beside = |last: u32| [Some(last), last.checked_add(1), last.checked_sub(1)].into_iter().flatten();
+        let carries = |number: &u32| {
+            let other = self.segments.get(*number as usize);
+            other.is_some_and(|other| may_carry(other, segment) && self.is_below(&other.ends, at))
         };
-        if last.as_ref().is_some_and(carries) {
+        if let Some(found) = looked.last.and_then(|last| beside(last).find(carries)) {
+            looked.last = Some(found);
             return true;
         }
-        *last = self.grid.around(at.middle).find(|other| carries(other));
-        last.is_some()
+        let cell = self.grid.cell(at.middle);
+        if looked.cell != Some(cell) {
+            looked.cell = Some(cell);
+            looked.around.clear();
+            let around = self.grid.in_and_around(cell);
+            looked.around.extend(around.filter(|&other| may_carry(&self.segments[other as usize], segment)));
+            // Just below come those that were laid last.
+            looked.around.sort_unstable_by(|a, b| b.cmp(a));
+            looked.around.dedup();
+        }
+        let found = looked.around.iter().copied().find(carries);
+        looked.last = found.or(looked.last);
+        found.is_some()
     }
 
     /// Whether a segment is below a place of a bead and near it.
@@ -516,8 +548,14 @@ impl DepositedBeads {
             [false, true] => [crossing, 1.0],
             [false, false] => return false,
         };
-        let nearest = a.toward(b, nearest_share(ends, at.middle).max(low).min(high));
-        let [up, aside] = nearest.off(at.middle);
+        let share = nearest_share(ends, at.middle).max(low).min(high);
+        // Most are too far from the middle line to be near the core.
+        let to_line = at.middle - (a.middle + (b.middle - a.middle) * share);
+        let reach = (self.max_mm + a.core.max(b.core)) * (1.0 + ROUNDING);
+        if to_line.norm_squared() > reach * reach {
+            return false;
+        }
+        let [up, aside] = a.toward(b, share).off(at.middle);
         up.hypot(aside) <= self.max_mm
     }
 }
