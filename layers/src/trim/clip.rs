@@ -12,7 +12,7 @@
 
 use super::Trimmer;
 use super::crossing::meet;
-use super::crossings::{AllTriangles, SurfaceCrossings, count_crossings, crosses};
+use super::crossings::{AllTriangles, SurfaceCrossings, counted, crosses};
 use super::error::TrimError;
 use super::patch::NONE;
 use super::pieces::Pieces;
@@ -62,25 +62,29 @@ impl Trimmer {
     /// be cut stays as it is: its crossings are among those left.
     ///
     /// # Cost
-    /// That of [`count_crossings`], twice if there are any, and some microseconds for each triangle of a sheet with crossings. The same
-    /// on any number of threads.
+    /// That of [`count_crossings`](super::count_crossings), and, if there are any, some microseconds for each triangle of a sheet with
+    /// crossings. The same on any number of threads.
     pub fn clip(
         &self,
         sheets: &mut [TrimmedSheet],
         height_mm: f64,
         progress: ProgressFn,
     ) -> Result<Clipped, TrimError> {
-        let found = count_crossings(&slices(sheets), progress)?;
+        let surfaces = slices(sheets);
+        let all = AllTriangles::checked(&surfaces)?;
+        let before = all.crossings(progress)?;
+        let found = counted(&before);
         if found.crossing == 0 {
             return Ok(Clipped { found, left: found, ..Clipped::default() });
         }
-        let mut clipped = Clipped { found, ..Clipped::default() };
-        for (sheet, of_sheet) in self.clipped(sheets, height_mm, progress)? {
+        let changed = self.clipped(sheets, &all, height_mm, progress)?;
+        let left = counted(&all.crossings_with(&changed, &before, progress)?);
+        let mut clipped = Clipped { found, left, ..Clipped::default() };
+        for (sheet, of_sheet) in changed {
             clipped.surfaces += 1;
             clipped.area_mm2 += sheets[sheet].area() - of_sheet.area();
             sheets[sheet] = of_sheet;
         }
-        clipped.left = count_crossings(&slices(sheets), progress)?;
         Ok(clipped)
     }
 
@@ -88,11 +92,10 @@ impl Trimmer {
     fn clipped(
         &self,
         sheets: &[TrimmedSheet],
+        all: &AllTriangles,
         height_mm: f64,
         progress: ProgressFn,
     ) -> Result<BTreeMap<usize, TrimmedSheet>, TrimError> {
-        let surfaces = slices(sheets);
-        let all = AllTriangles::new(&surfaces)?;
         // For each sheet the triangles of earlier ones that it passes through.
         let earlier = |sheet: usize, _: ProgressFn| {
             let mut met: Vec<[u32; 2]> = Vec::new();
@@ -116,8 +119,8 @@ impl Trimmer {
                 return Err(TrimError::Cancelled);
             }
             // In order of the sheets: what an earlier one has lost is no wall for later ones.
-            let wall = Wall::new(met, &all, &clipped);
-            let below = Below { all: &all, own: sheet as u32, reach: REACH * height_mm };
+            let wall = Wall::new(met, all, &clipped);
+            let below = Below { all, own: sheet as u32, reach: REACH * height_mm };
             if let Some(left) = self.clip_one(&sheets[sheet], &wall, &below)? {
                 clipped.insert(sheet, left);
             }

@@ -13,10 +13,12 @@ use super::error::{Input, MAX_ITEMS, TrimError, check};
 use super::exact::height;
 use super::predicates::{Moves, passing, side};
 use super::triangle::MIN_ALTITUDE_MM;
+use super::trimmed::TrimmedSheet;
 use crate::ProgressFn;
 use crate::boxes::{Bounds, Tree};
 use crate::parallel::in_parallel_watched;
 use nalgebra::Point3;
+use std::collections::BTreeMap;
 
 /// How often surfaces pass through each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,18 +55,22 @@ pub struct SurfaceCrossings {
 /// # Ok::<(), curvlay_layers::trim::TrimError>(())
 /// ```
 pub fn count_crossings(surfaces: &[SurfaceSlices], progress: ProgressFn) -> Result<SurfaceCrossings, TrimError> {
-    surfaces.iter().try_for_each(|(points, triangles)| check(Input::Sheet, points, triangles))?;
-    let all = AllTriangles::new(surfaces)?;
-    let of_surface = |surface: usize, _: ProgressFn| {
-        let (points, triangles) = surfaces[surface];
-        let edges = Edges::new(triangles);
-        // By edges, not by triangles, so that each counts once.
-        let crosses = |ends: &&[u32; 2]| all.is_crossed(surface as u32, ends.map(|end| &points[end as usize]));
-        SurfaceCrossings { edges: edges.ends.len(), crossing: edges.ends.iter().filter(crosses).count() }
-    };
-    let found = in_parallel_watched(surfaces.len(), "crossings", progress, of_surface).ok_or(TrimError::Cancelled)?;
-    let sum = |of: fn(&SurfaceCrossings) -> usize| found.iter().map(of).sum();
-    Ok(SurfaceCrossings { edges: sum(|found| found.edges), crossing: sum(|found| found.crossing) })
+    Ok(counted(&AllTriangles::checked(surfaces)?.crossings(progress)?))
+}
+
+/// The edges of a surface.
+pub(super) struct SurfaceEdges {
+    count: usize,
+    /// Those that pass through a triangle of another surface.
+    crossing: Vec<[u32; 2]>,
+}
+
+/// How many there are on all surfaces.
+pub(super) fn counted(surfaces: &[SurfaceEdges]) -> SurfaceCrossings {
+    SurfaceCrossings {
+        edges: surfaces.iter().map(|edges| edges.count).sum(),
+        crossing: surfaces.iter().map(|edges| edges.crossing.len()).sum(),
+    }
 }
 
 /// The triangles of all surfaces in one tree.
@@ -78,18 +84,26 @@ pub(super) struct AllTriangles<'a> {
 }
 
 impl<'a> AllTriangles<'a> {
-    /// Of surfaces that have been checked.
-    pub(super) fn new(surfaces: &'a [SurfaceSlices<'a>]) -> Result<Self, TrimError> {
-        let count: usize = surfaces.iter().map(|(_, triangles)| triangles.len()).sum();
+    /// Of all triangles.
+    pub(super) fn checked(surfaces: &'a [SurfaceSlices<'a>]) -> Result<Self, TrimError> {
+        surfaces.iter().try_for_each(|(points, triangles)| check(Input::Sheet, points, triangles))?;
+        AllTriangles::of(surfaces, |_| true)
+    }
+
+    /// Of the triangles of some surfaces, which have been checked.
+    fn of(surfaces: &'a [SurfaceSlices<'a>], has: impl Fn(usize) -> bool) -> Result<Self, TrimError> {
+        let of_some = || surfaces.iter().enumerate().filter(|&(surface, _)| has(surface));
+        let count: usize = of_some().map(|(_, (_, triangles))| triangles.len()).sum();
         if count > MAX_ITEMS {
             return Err(TrimError::TooMany { input: Input::Sheet, most: MAX_ITEMS });
         }
         let mut places = Vec::with_capacity(count);
         let mut boxes = Vec::with_capacity(count);
-        let borders = surfaces.iter().map(|(points, triangles)| Border::of(points.len(), triangles)).collect();
-        for (surface, (points, triangles)) in (0..).zip(surfaces) {
+        let mut borders: Vec<Border> = surfaces.iter().map(|_| Border::default()).collect();
+        for (surface, (points, triangles)) in of_some() {
+            borders[surface] = Border::of(points.len(), triangles);
             for (triangle, corners) in (0..).zip(*triangles) {
-                places.push([surface, triangle]);
+                places.push([surface as u32, triangle]);
                 boxes.push(Bounds::of(corners.map(|corner| &points[corner as usize])));
             }
         }
@@ -118,9 +132,65 @@ impl<'a> AllTriangles<'a> {
         self.tree.along(from, way, [0.0, reach], |place, _| take(self.places[order[place] as usize]));
     }
 
-    fn is_crossed(&self, own: u32, edge: [&Point3<f64>; 2]) -> bool {
+    /// The edges of each surface. By edges, not by triangles, so that each counts once.
+    pub(super) fn crossings(&self, progress: ProgressFn) -> Result<Vec<SurfaceEdges>, TrimError> {
+        let of_surface = |surface: usize, _: ProgressFn| {
+            let (points, triangles) = self.surfaces[surface];
+            let edges = Edges::new(triangles).ends;
+            let crosses =
+                |ends: &&[u32; 2]| self.is_crossed(surface as u32, ends.map(|end| &points[end as usize]), |_| true);
+            SurfaceEdges { count: edges.len(), crossing: edges.iter().filter(crosses).copied().collect() }
+        };
+        in_parallel_watched(self.surfaces.len(), "crossings", progress, of_surface).ok_or(TrimError::Cancelled)
+    }
+
+    /// The edges of each surface when others have taken the place of some. Edges of the others that passed through nothing still pass
+    /// through none of the surfaces that stay: they are looked at beside those that changed alone.
+    pub(super) fn crossings_with(
+        &self,
+        changed: &BTreeMap<usize, TrimmedSheet>,
+        before: &[SurfaceEdges],
+        progress: ProgressFn,
+    ) -> Result<Vec<SurfaceEdges>, TrimError> {
+        changed.values().try_for_each(|sheet| check(Input::Sheet, &sheet.vertices, &sheet.triangles))?;
+        fn of_sheet(sheet: &TrimmedSheet) -> SurfaceSlices<'_> {
+            (&sheet.vertices, &sheet.triangles)
+        }
+        let surfaces: Vec<SurfaceSlices> =
+            self.surfaces.iter().enumerate().map(|(k, old)| changed.get(&k).map_or(*old, of_sheet)).collect();
+        let new = AllTriangles::of(&surfaces, |surface| changed.contains_key(&surface))?;
+        let of_surface = |surface: usize, _: ProgressFn| {
+            let (points, triangles) = surfaces[surface];
+            let edge = |ends: &[u32; 2]| ends.map(|end| &points[end as usize]);
+            let stays = |other: u32| !changed.contains_key(&(other as usize));
+            let by_new = |ends: &&[u32; 2]| new.is_crossed(surface as u32, edge(ends), |_| true);
+            let by_old = |ends: &&[u32; 2]| self.is_crossed(surface as u32, edge(ends), stays);
+            if changed.contains_key(&surface) {
+                let edges = Edges::new(triangles).ends;
+                let crossing = edges.iter().filter(|ends| by_new(ends) || by_old(ends)).copied().collect();
+                return SurfaceEdges { count: edges.len(), crossing };
+            }
+            let SurfaceEdges { count, crossing } = &before[surface];
+            let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
+            let is_near = |ends: &[u32; 2]| Bounds::of(edge(ends)).meets(new.tree.bounds());
+            let mut near: Vec<[u32; 2]> = triangles.iter().flat_map(sides).filter(is_near).collect();
+            near.sort_unstable();
+            near.dedup();
+            let crossing = near.iter().filter(by_new).chain(crossing.iter().filter(by_old));
+            let mut crossing: Vec<[u32; 2]> = crossing.copied().collect();
+            crossing.sort_unstable();
+            crossing.dedup();
+            SurfaceEdges { count: *count, crossing }
+        };
+        in_parallel_watched(surfaces.len(), "crossings", progress, of_surface).ok_or(TrimError::Cancelled)
+    }
+
+    /// Whether an edge passes through a triangle of another surface, of those that count.
+    fn is_crossed(&self, own: u32, edge: [&Point3<f64>; 2], counts: impl Fn(u32) -> bool) -> bool {
         let mut found = false;
-        self.near(edge, |place| found |= place[0] != own && !found && self.passes(own, edge, place));
+        self.near(edge, |place| {
+            found |= place[0] != own && !found && counts(place[0]) && self.passes(own, edge, place);
+        });
         found
     }
 
@@ -150,6 +220,7 @@ impl<'a> AllTriangles<'a> {
 }
 
 /// What of a surface lies on its border.
+#[derive(Default)]
 struct Border {
     vertices: Vec<bool>,
     sides: Vec<[bool; 3]>,
@@ -179,4 +250,41 @@ pub(super) fn crosses(edge: [&Point3<f64>; 2], triangle: [&Point3<f64>; 3], move
                 Moves::Triangle => passing(of_triangle, edge),
             }
         }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trimmed::slices;
+    use super::*;
+    use proptest::prelude::*;
+    use std::ops::ControlFlow;
+
+    fn sheet() -> impl Strategy<Value = TrimmedSheet> {
+        let point = prop::array::uniform3(-1.0_f64..1.0);
+        let corners = [0_u32..6, 0..6, 0..6].prop_filter("three corners", |[a, b, c]| a != b && b != c && c != a);
+        (prop::collection::vec(point, 6), prop::collection::vec(corners, 0..5)).prop_map(|(points, triangles)| {
+            TrimmedSheet {
+                vertices: points.into_iter().map(Point3::from).collect(),
+                triangles,
+                ..TrimmedSheet::default()
+            }
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn what_changes_is_counted_as_if_all_were(
+            mut sheets in prop::collection::vec(sheet(), 1..6),
+            others in prop::collection::btree_map(0_usize..6, sheet(), 0..4),
+        ) {
+            let silent = |_| ControlFlow::Continue(());
+            let others: BTreeMap<usize, TrimmedSheet> = others.into_iter().filter(|(k, _)| *k < sheets.len()).collect();
+            let surfaces = slices(&sheets);
+            let all = AllTriangles::checked(&surfaces).unwrap();
+            let before = all.crossings(&silent).unwrap();
+            let found = counted(&all.crossings_with(&others, &before, &silent).unwrap());
+            others.into_iter().for_each(|(k, other)| sheets[k] = other);
+            prop_assert_eq!(found, count_crossings(&slices(&sheets), &silent).unwrap());
+        }
+    }
 }
