@@ -199,7 +199,8 @@ impl OtherCurves<'_> {
     /// How far a point is from the beads around it, at most `most`; zero if it is nearer than `least`.
     fn room(&self, p: nalgebra::Point3<f64>, most: f64, least: f64) -> f64 {
         let mut room = most;
-        for [number, k] in self.segments.near(p) {
+        // Most points lie under a bead, which is found at once.
+        for [number, k] in self.segments.near_by_distance(p) {
             let (points, widths) = (&self.curves[number as usize].points, &self.widths[number as usize]);
             let ends = [k as usize, (k as usize + 1) % points.len()];
             let width = 0.5 * (widths[ends[0]] + widths[ends[1]]);

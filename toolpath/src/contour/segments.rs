@@ -57,9 +57,24 @@ impl Segments {
 
     /// Those that come within three quarters of a side of a point, some others, and some twice.
     pub fn near(&self, p: Point3<f64>) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.in_columns(p, (-1..=1).flat_map(|i| (-1..=1).map(move |j| [i, j])))
+    }
+
+    /// The same, those in the cell of the point and above and below it first.
+    pub fn near_by_distance(&self, p: Point3<f64>) -> impl Iterator<Item = [u32; 2]> + '_ {
+        const COLUMNS: [[i64; 2]; 9] = [[0, 0], [-1, 0], [1, 0], [0, -1], [0, 1], [-1, -1], [-1, 1], [1, -1], [1, 1]];
+        self.in_columns(p, COLUMNS.into_iter())
+    }
+
+    /// Those in some columns of three cells, by how far these are from the cell of a point.
+    fn in_columns(
+        &self,
+        p: Point3<f64>,
+        columns: impl Iterator<Item = [i64; 2]> + 'static,
+    ) -> impl Iterator<Item = [u32; 2]> + '_ {
         let [x, y, z] = cell_of(p, self.side);
         // Samples are a quarter of a side from what they stand for at most, so what is near is in the next cell.
-        (-1..=1).flat_map(move |i| (-1..=1).map(move |j| [x + i, y + j])).flat_map(move |[x, y]| {
+        columns.map(move |[i, j]| [x + i, y + j]).flat_map(move |[x, y]| {
             let start = self.cells.partition_point(|entry| entry.0 < [x, y, z - 1]);
             self.cells[start..].iter().take_while(move |entry| entry.0 <= [x, y, z + 1]).map(|entry| entry.1)
         })
