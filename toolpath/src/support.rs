@@ -36,6 +36,9 @@ const MAX_COORDINATE_MM: f64 = 1e7;
 /// A bead lies on a mould that faces its nozzle by 60 degrees: the cosine. A wall beside it does not carry it.
 const FACING: f64 = 0.5;
 
+/// What is farther away by this share is too far, however distances are rounded.
+const ROUNDING: f64 = 1e-9;
+
 /// More places than this are refused: the step is a slip of the unit.
 const MAX_PLACES: f64 = 1e9;
 
@@ -545,8 +548,14 @@ impl DepositedBeads {
             [false, true] => [crossing, 1.0],
             [false, false] => return false,
         };
-        let nearest = a.toward(b, nearest_share(ends, at.middle).max(low).min(high));
-        let [up, aside] = nearest.off(at.middle);
+        let share = nearest_share(ends, at.middle).max(low).min(high);
+        // Most are too far from the middle line to be near the core.
+        let to_line = at.middle - (a.middle + (b.middle - a.middle) * share);
+        let reach = (self.max_mm + a.core.max(b.core)) * (1.0 + ROUNDING);
+        if to_line.norm_squared() > reach * reach {
+            return false;
+        }
+        let [up, aside] = a.toward(b, share).off(at.middle);
         up.hypot(aside) <= self.max_mm
     }
 }

@@ -133,6 +133,13 @@ impl Seeker<'_> {
         self.nozzle.least_around(z, rho, sway, reach) - self.stand.offset(node.height)
     }
 
+    /// How far the sheets in a box are below the tip, at least: no more than their clearance.
+    pub fn below(&self, node: &Node) -> f64 {
+        let (middle, half) =
+            ((node.middle - self.stand.tip).dot(&self.direction), node.half.dot(&self.direction.abs()));
+        -middle - half - self.stand.offset(node.height)
+    }
+
     /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.
     fn to_rim(&self, p: Point3<f64>, triangle: &Triangle) -> f64 {
         let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
@@ -216,12 +223,16 @@ enum Skin {
 /// A corner of a piece, and the normal there.
 type Corner = (Point3<f64>, Vector3<f64>);
 
-pub(super) fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
+fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
     Point3::from((a.coords + b.coords + c.coords) / 3.0)
 }
 
 impl Walk for Seeker<'_> {
     fn bound(&self, node: &Node) -> f64 {
+        // Most of what is built lies below the tip.
+        if self.below(node) >= self.bound {
+            return f64::INFINITY;
+        }
         self.least_in(node, &Sway::default())
     }
 

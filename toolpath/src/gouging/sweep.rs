@@ -1,15 +1,14 @@
 //! What a nozzle may come near on a way.
 //!
-//! Most of the time goes into the tree, so poses on one way share walks down it. One for a stretch of several waypoints gathers the triangles that
-//! some pose of it may come near ([`Scene::around`]); of these each leg of the stretch keeps those that matter to it ([`Scene::near_of`]), and
+//! Most of the time goes into the tree, so poses on one short way share one walk: it gathers the triangles that some pose may come near, and
 //! each pose looks at these alone. What it finds is the same. A tip goes along the layer, so the flat below it hardly nears what it moves
 //! over: each face of the nozzle is bounded by itself, by how far the tip goes along the axis and across it, and there is
 //! mostly nothing left to look at.
 
-use super::deepest::{Scene, Seeker, Stand, centroid};
+use super::deepest::{Scene, Seeker, Stand};
 use super::nozzle::Sway;
 use crate::layer::{Node, Triangle};
-use nalgebra::{Point3, UnitVector3};
+use nalgebra::UnitVector3;
 
 /// Poses of a nozzle on a way: none of them is farther from one of them than this.
 #[derive(Clone, Copy, Debug)]
@@ -20,14 +19,6 @@ pub(crate) struct Way {
     pub moves: [f64; 2],
     /// How far the direction turns, in radians.
     pub turns: f64,
-}
-
-/// A triangle that a nozzle may come near, in a ball with all of its sheets.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ball {
-    middle: Point3<f64>,
-    radius: f64,
-    triangle: u32,
 }
 
 /// A seeker whose nozzle moves: what no pose on the way comes near does not matter.
@@ -46,18 +37,17 @@ impl Sweeper<'_> {
         Sway { along, across, turned: turns * (reach + along + across) }
     }
 
-    /// Whether no pose on the way comes near a ball.
-    fn clears_ball(&self, middle: Point3<f64>, radius: f64) -> bool {
-        let (z, rho, _) = self.at.place(middle);
-        let sway = self.sway(z.hypot(rho) + radius);
-        self.at.nozzle.clearance(z, rho) >= radius + sway.along + sway.across + sway.turned
-    }
-
-    /// Nor a box. Most are so far away that a ball around them is clear.
+    /// Whether no pose on the way comes near a box.
     fn clears_box(&self, node: &Node) -> bool {
         let radius = node.half.norm() + self.at.stand.offset(node.height);
-        let reach = (node.middle - self.at.stand.tip).norm() + radius;
-        self.clears_ball(node.middle, radius) || self.at.least_in(node, &self.sway(reach)) >= 0.0
+        let sway = self.sway((node.middle - self.at.stand.tip).norm() + radius);
+        // Most of what is built lies below the tip; most of the rest is so far away that a ball around it is clear.
+        if self.at.below(node) >= sway.along + sway.turned {
+            return true;
+        }
+        let (z, rho, _) = self.at.place(node.middle);
+        let is_far = self.at.nozzle.clearance(z, rho) >= radius + sway.along + sway.across + sway.turned;
+        is_far || self.at.least_in(node, &sway) >= 0.0
     }
 
     /// Nor the sheets of a triangle.
@@ -78,40 +68,11 @@ impl Scene<'_> {
     /// The triangles that a nozzle may gouge on a way: for [`Scene::is_free_of`].
     pub fn near(&self, way: &Way, near: &mut Vec<u32>) {
         near.clear();
-        self.each_near(way, |number, _| near.push(number));
-    }
-
-    /// The same, for [`Scene::near_of`].
-    pub fn around(&self, way: &Way, around: &mut Vec<Ball>) {
-        around.clear();
-        self.each_near(way, |number, triangle| {
-            let middle = centroid(&triangle.corners);
-            let squares = triangle.corners.map(|corner| (corner - middle).norm_squared());
-            let radius = squares.into_iter().fold(0.0, f64::max).sqrt() + way.stand.offset(triangle.height);
-            around.push(Ball { middle, radius, triangle: number });
-        });
-    }
-
-    /// As [`Scene::near`] on a part of a way, given what is around that.
-    pub fn near_of(&self, around: &[Ball], way: &Way, near: &mut Vec<u32>) {
-        near.clear();
-        if around.is_empty() {
-            return;
-        }
-        let (sweeper, triangles) = (self.sweeper(way), self.tree.triangles());
-        near.extend(around.iter().filter_map(|&Ball { middle, radius, triangle }| {
-            let is_there = self.keys.of_triangle[triangle as usize] < way.stand.before;
-            let is_clear = || sweeper.clears_ball(middle, radius) || sweeper.clears(&triangles[triangle as usize]);
-            (is_there && !is_clear()).then_some(triangle)
-        }));
-    }
-
-    fn each_near(&self, way: &Way, mut see: impl FnMut(u32, &Triangle)) {
         let sweeper = self.sweeper(way);
         let clears = |node: &Node| sweeper.clears_box(node);
         self.tree.each(self.keys, way.stand.before, clears, |number, triangle| {
             if !sweeper.clears(triangle) {
-                see(number, triangle);
+                near.push(number);
             }
         });
     }
@@ -122,7 +83,7 @@ mod tests {
     use super::*;
     use crate::gouging::Nozzle;
     use crate::layer::{BuiltLayer, LayerStack};
-    use nalgebra::Vector3;
+    use nalgebra::{Point3, Vector3};
     use proptest::prelude::*;
 
     const SIDE: u32 = 12;
@@ -151,8 +112,7 @@ mod tests {
     }
 
     proptest! {
-        /// Slow twin: each pose on its own, from the root of the tree. Nothing that a pose runs into is left out of what is near a way, nor of
-        /// what is near a part of it.
+        /// Slow twin: each pose on its own, from the root of the tree. Nothing that a pose runs into is left out of what is near a way.
         #[test]
         fn what_is_near_a_way_has_all_that_its_poses_run_into(
             (high, layers) in (0.0_f64..1.5, 1_u32..4),
@@ -189,16 +149,12 @@ mod tests {
                 let turns = far(&|k| direction(k).angle(&axis));
                 Way { stand: stand(middle), direction: axis, moves: [along, across], turns }
             };
-            let (mut around, mut near, mut alone, mut work) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            scene.around(&way(0, 7), &mut around);
-            for k in 0..7 {
-                let leg = way(k, k + 1);
-                scene.near_of(&around, &leg, &mut near);
-                scene.near(&leg, &mut alone);
-                for pose in [k, k + 1] {
+            let (mut near, mut work) = (Vec::new(), Vec::new());
+            for (from, to) in [(0, 1), (2, 4), (5, 7), (0, 7)] {
+                scene.near(&way(from, to), &mut near);
+                for pose in from..=to {
                     let is_free = scene.is_free(stand(pose), &direction(pose), &mut work);
-                    prop_assert_eq!(scene.is_free_of(&near, stand(pose), &direction(pose)), is_free, "{} of {}", pose, k);
-                    prop_assert_eq!(scene.is_free_of(&alone, stand(pose), &direction(pose)), is_free, "{} of {}", pose, k);
+                    prop_assert_eq!(scene.is_free_of(&near, stand(pose), &direction(pose)), is_free, "{} of {}", pose, from);
                 }
             }
         }

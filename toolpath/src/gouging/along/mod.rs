@@ -28,7 +28,6 @@ use super::built::{after, before};
 use super::deepest::{Contact, Scene, Stand};
 use super::gouge::Gouge;
 use super::options::GougingOptions;
-use super::sweep::Ball;
 use super::tilt::Points;
 use crate::layer::DirectionHints;
 use crate::orientation::{TURN_ROUNDING, ToolPath, Waypoint, along, angle, between, part_way};
@@ -112,8 +111,7 @@ struct Walker<'a> {
     points: Points,
     /// What step 7 has turned.
     turned: Turned,
-    /// What is near a stretch of the path, and near a leg.
-    around: Vec<Ball>,
+    /// What is near a way.
     near: Vec<u32>,
 }
 
@@ -239,7 +237,6 @@ impl<'a> Walker<'a> {
             steps,
             stack: Vec::new(),
             points: Points::default(),
-            around: Vec::new(),
             near: Vec::new(),
         }
     }
@@ -264,7 +261,6 @@ impl Walker<'_> {
 
     /// Step 1. The way to a waypoint and both its ends share one look, and a way that is free is not looked at again in step 6.
     fn tilt(&mut self) {
-        let mut stretch = 0..0;
         for k in 0..self.steps.len() {
             if self.steps[k].gouged {
                 continue;
@@ -276,10 +272,7 @@ impl Walker<'_> {
             // What is near the way is gathered once for its end and for what lies between.
             let is_free = if shares {
                 let [last, step] = [k - 1, k].map(|k| self.steps[k]);
-                if !stretch.contains(&k) {
-                    stretch = self.gather_around(k);
-                }
-                self.gather_of_stretch(&last, &step);
+                self.gather(&last, &step, step.before);
                 let is_free = self.scene.is_free_of(&self.near, self.stand(k), &direction);
                 if is_free && self.is_free_between(&last, &step) {
                     self.steps[k].looked = Some([last.waypoint.axis, direction]);
