@@ -8,37 +8,42 @@ use curvlay_toolpath::gcode::flavour::{Flavour, ProgramOptions, write_flavour};
 use curvlay_toolpath::gcode::{Move, RotaryTable};
 use std::f64::consts::TAU;
 
-/// Height of the lowest ring, of the nozzle's lift between rings, sides of a ring.
+/// Height where a helix begins, lift of the nozzle between two, turns of each, sides of a turn, radius at the plate, speed.
 const FLOOR: f64 = 0.5;
 const LIFT: f64 = 4.0;
+const TURNS: u32 = 3;
 const SIDES: u32 = 72;
+const RADIUS: f64 = 30.0;
+const PRINTING: f64 = 8.0;
 
-/// A ring in a layer: places, and directions that lean outwards.
-fn ring(layer: u32) -> Vec<(Point3<f64>, UnitVector3<f64>)> {
-    let (z, radius) = (FLOOR + HEIGHT * f64::from(layer), 12.0 + 0.1 * f64::from(layer));
+/// A helix up a cone: places, and directions that lean outwards.
+fn helix(number: u32) -> Vec<(Point3<f64>, UnitVector3<f64>)> {
     let at = |k: u32| {
-        let turn = TAU * f64::from(k) / f64::from(SIDES);
+        let turns = f64::from(k) / f64::from(SIDES);
+        let (turn, layer) = (TAU * turns, f64::from(number * TURNS) + turns);
+        let (z, radius) = (FLOOR + HEIGHT * layer, RADIUS + 0.1 * layer);
         let direction = Vector3::new(0.15 * turn.cos(), 0.15 * turn.sin(), 1.0);
         (Point3::new(radius * turn.cos(), radius * turn.sin(), z), UnitVector3::new_normalize(direction))
     };
-    (0..=SIDES).map(at).collect()
+    (0..=TURNS * SIDES).map(at).collect()
 }
 
-/// Rings above each other, with a way up and down between two of them.
+/// Two helices above each other, with a way up and down between them.
 fn cone() -> Vec<Move> {
     let mut moves = Vec::new();
-    for layer in 0..6 {
-        let ring = ring(layer);
-        let (tip, direction) = ring[0];
-        let above = tip + direction.into_inner() * LIFT;
-        moves.push(Move::Travel { tip: above, direction, feed_mm_s: 40.0 });
-        moves.push(Move::Travel { tip, direction, feed_mm_s: 20.0 });
-        for two in ring.windows(2) {
+    for number in 0..2 {
+        let helix = helix(number);
+        let lifted = |(tip, direction): (Point3<f64>, UnitVector3<f64>)| tip + direction.into_inner() * LIFT;
+        let travel =
+            |tip: Point3<f64>, direction: UnitVector3<f64>, feed_mm_s: f64| Move::Travel { tip, direction, feed_mm_s };
+        let (first, last) = (helix[0], helix[helix.len() - 1]);
+        moves.extend([travel(lifted(first), first.1, 40.0), travel(first.0, first.1, 20.0)]);
+        for two in helix.windows(2) {
             let (tip, direction) = two[1];
             let filament_mm = FEED * (tip - two[0].0).norm();
-            moves.push(Move::Print { tip, direction, filament_mm, feed_mm_s: SPEED });
+            moves.push(Move::Print { tip, direction, filament_mm, feed_mm_s: PRINTING });
         }
-        moves.push(Move::Travel { tip: above, direction, feed_mm_s: 40.0 });
+        moves.push(travel(lifted(last), last.1, 40.0));
     }
     moves
 }
@@ -72,34 +77,33 @@ fn program(name: &str, flavour: &str, change: impl FnOnce(&mut MachineModel)) ->
 fn replayed(run_name: &str, text: &str, words: &[&str]) -> Map<String, Value> {
     let inputs = folder(run_name);
     let (program, plan) = (file(&inputs, "toolpath-axes.gcode", text), plan_of_cone(&inputs));
-    // Small nozzle: the rings are half a millimetre high, and the block is above them all.
     run(run_name, &[&[program.as_str(), "--plan", &plan], words].concat())
         .unwrap_or_else(|error| panic!("{run_name}: {error}"))
 }
 
-/// Machines of four families, each in a flavour that its controller reads: under control of the tip and without, with times, feeds, axes by other letters.
+/// Machines of four families, each in a flavour that its controller reads: under control of the tip and without, with times, feeds, axes by other letters. The head
+/// whose first axis turns twice to and fro lifts off to turn back: from rest to rest, which is a larger share of a part of two minutes.
 #[test]
 fn programs_of_machines_are_what_was_planned() {
-    for (name, flavour) in [
-        ("open5x-table", "reprapfirmware"),
-        ("open5x-table", "klipper-axes"),
-        ("bc-table-tcp", "linuxcnc-tcp"),
-        ("bc-table-tcp", "siemens-axes"),
-        ("head-head-gantry", "linuxcnc"),
-        ("head-head-gantry", "linuxcnc-g94"),
-        ("head-head-gantry", "linuxcnc-flow"),
-        ("klipper-tilting-head", "klipper-axes"),
-        ("polar-tilting-head", "reprapfirmware"),
+    for (name, flavour, share) in [
+        ("open5x-table", "reprapfirmware", "0.01"),
+        ("open5x-table", "klipper-axes", "0.01"),
+        ("bc-table-tcp", "linuxcnc-tcp", "0.01"),
+        ("bc-table-tcp", "siemens-axes", "0.01"),
+        ("klipper-tilting-head", "klipper-axes", "0.01"),
+        ("polar-tilting-head", "reprapfirmware", "0.01"),
+        ("head-head-gantry", "linuxcnc", "0.04"),
+        ("head-head-gantry", "linuxcnc-g94", "0.04"),
+        ("head-head-gantry", "linuxcnc-flow", "0.04"),
     ] {
         let run_name = format!("{name}-{flavour}");
         let text = program(name, flavour, |_| {});
-        let summary = replayed(&run_name, &text, &["--machine", &machine_file(name), "--flavour", flavour]);
+        let words = ["--machine", &machine_file(name), "--flavour", flavour, "--allow-time", share];
+        let summary = replayed(&run_name, &text, &words);
         assert_eq!(failed(&summary), Vec::<String>::new(), "{run_name}");
-        let time = figure(&summary, "time_s") / figure(&summary, "programmed_s");
-        assert!((time - 1.0).abs() < 0.01, "{run_name} {time}");
         assert!(figure(&summary, "tip_off_mm") < 0.1 && figure(&summary, "contacts") < 0.5, "{run_name}");
         assert!(figure(&summary, "tilt_off_deg") < 1.0, "{run_name} {}", figure(&summary, "tilt_off_deg"));
-        assert!(figure(&summary, "missed_mm") < 0.1 && figure(&summary, "extruded_mm") > 400.0, "{run_name}");
+        assert!(figure(&summary, "missed_mm") < 0.1 && figure(&summary, "extruded_mm") > 1100.0, "{run_name}");
         assert_eq!(summary["format"], format!("G-code, {flavour}"));
     }
 }
@@ -108,10 +112,11 @@ fn programs_of_machines_are_what_was_planned() {
 #[test]
 fn a_flavour_without_amounts_is_compared_by_its_way() {
     let text = program("head-head-gantry", "linuxcnc-switch", |_| {});
-    let words = ["--machine", &machine_file("head-head-gantry"), "--flavour", "linuxcnc-switch"];
+    let words =
+        ["--machine", &machine_file("head-head-gantry"), "--flavour", "linuxcnc-switch", "--allow-time", "0.04"];
     let summary = replayed("switch", &text, &words);
     assert_eq!(failed(&summary), Vec::<String>::new());
-    assert!(figure(&summary, "tip_off_mm") < 0.1 && figure(&summary, "capsules") > 50.0);
+    assert!(figure(&summary, "tip_off_mm") < 0.1 && figure(&summary, "capsules") > 400.0);
     assert!(summary["findings"].as_str().unwrap().contains("says when material comes out, not how much"));
 }
 
