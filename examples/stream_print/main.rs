@@ -187,6 +187,7 @@ fn said(error: &StreamError, places: &Places) -> Failure {
         StreamError::Stream(UrStreamError::Jump { tick, .. }) => {
             Failure::new(format!("{error}, at {}", places.name(*tick)))
         }
+        StreamError::Stopped { run: 0, .. } => Failure::new("stopped before the first tick".to_owned()),
         StreamError::Stopped { run, .. } => Failure::new(format!("{error}: {}", places.name(*run))),
         other => Failure::new(other.to_string()),
     }

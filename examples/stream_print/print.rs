@@ -7,7 +7,7 @@ use curvlay_kinematics::program::ur_stream::{UrStreamError, UrStreamJob, UrStrea
 use curvlay_kinematics::program::{ServoRate, Step, UrScriptOptions, UrScriptReader};
 use std::cell::{Cell, RefCell};
 use std::fs::{self, File};
-use std::io::BufReader;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -60,6 +60,13 @@ impl Print {
             tool: *reader.tool(),
             payload: reader.payload().copied(),
             ..UrScriptOptions::default()
+        };
+        // Signals of the program are late by its look-ahead time.
+        let [lookahead_s, gain] = servo_options(first).map_err(|error| refused(&error))?;
+        let script = UrScriptOptions {
+            lookahead_s: lookahead_s.unwrap_or(script.lookahead_s),
+            gain: gain.unwrap_or(script.gain),
+            ..script
         };
         let mut seconds = None;
         for step in open()? {
@@ -116,6 +123,18 @@ impl Print {
         let failed = steps.failed.clone();
         (UrTicks::new(steps, options), failed)
     }
+}
+
+/// Look-ahead time and gain of the first `servoj` of a program.
+fn servo_options(path: &Path) -> std::io::Result<[Option<f64>; 2]> {
+    for line in BufReader::new(File::open(path)?).lines() {
+        let line = line?;
+        if line.contains("servoj(") {
+            let of = |name: &str| line.split_once(name)?.1.split([',', ')']).next()?.trim().parse().ok();
+            return Ok(["lookahead_time=", "gain="].map(of));
+        }
+    }
+    Ok([None; 2])
 }
 
 /// The programs of a folder.

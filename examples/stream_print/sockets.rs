@@ -102,10 +102,13 @@ pub fn stream(
                 waited = clock.now();
             }
             Err(error) if is_idle(&error) => {
-                let over = clock.now().saturating_sub(waited) >= patience;
-                // Without a connection the robot stands, or is about to.
-                if over || (stops() && sender.progress().connections == 0) {
-                    return Err(StreamError::NoRobot(clock.now().saturating_sub(waited)));
+                let UrStreamProgress { connections, total, .. } = sender.progress();
+                if stops() && connections == 0 {
+                    return Err(StreamError::Stopped { run: 0, total });
+                }
+                let time = clock.now().saturating_sub(waited);
+                if time >= patience {
+                    return Err(StreamError::NoRobot(time));
                 }
                 clock.wait(POLL);
             }

@@ -318,7 +318,7 @@ fn speeds_that_the_controller_does_not_take_are_counted() {
     let target = Target { pose: Isometry3::translation(600.0, 0.0, 300.5), conf: ConfData::default() };
     let joints = |share: f64| (Goal::Joints([0.1; 6]), Speed { mm_s: 10.0, rad_s: share * options.axis_rad_s });
     let good = [(Goal::Line(target), Speed { mm_s: 10.0, rad_s: 1.0 }), joints(1.0), joints(0.01), joints(0.5)];
-    let bad = [(Goal::Line(target), Speed { mm_s: 1e-5, rad_s: 1.0 }), joints(1.02), joints(0.004)];
+    let bad = [(Goal::Line(target), Speed { mm_s: 0.01, rad_s: 1.0 }), joints(1.02), joints(0.004)];
     for (moves, count) in [(&good[..], 0), (&bad[..], 3)] {
         let to = |&(goal, speed)| Step::Move(Move { goal, table: None, speed, zone: Zone::Stop });
         let steps: Vec<Step> = moves.iter().map(to).collect();

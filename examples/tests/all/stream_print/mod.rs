@@ -236,7 +236,7 @@ fn a_robot_that_does_not_come_is_an_error() {
     let error = of(false).unwrap_err();
     assert!(matches!(error, StreamError::NoRobot(waited) if waited.as_secs() == 90), "{error}");
     let error = of(true).unwrap_err();
-    assert!(matches!(error, StreamError::NoRobot(waited) if waited.is_zero()), "{error}");
+    assert!(matches!(error, StreamError::Stopped { run: 0, total: 701 }), "{error}");
 }
 
 #[test]
@@ -275,6 +275,13 @@ fn the_robots_program_is_written() {
             && script.contains("global rpm_per_mm_s=12\n")
     );
     assert!(!script.contains("set_standard_analog_out"));
+    // Look-ahead time and gain are those of the programs, whose signals are late by it.
+    let first = folder.join("print_001.script");
+    let slow =
+        fs::read_to_string(&first).unwrap().replace("lookahead_time=0.03,gain=2000", "lookahead_time=0.1,gain=300");
+    fs::write(&first, slow).unwrap();
+    work(&args(&folder, &words), &Bars::new(true)).unwrap();
+    assert!(fs::read_to_string(&path).unwrap().contains("lookahead_time=0.1,gain=300)"));
     // Not over the print.
     let over = folder.join("print_001.script");
     let error = work(&args(&folder, &["--write", over.to_str().unwrap()]), &Bars::new(true)).unwrap_err();

@@ -3,7 +3,6 @@
 use super::lines::Sample;
 use super::options::BlendOptions;
 use crate::print_program::PrintKnot;
-use crate::program::Step;
 
 /// How much earlier signals come at most, in seconds, as in a stream.
 const MAX_EARLY_S: f64 = 0.5;
@@ -44,21 +43,19 @@ pub(super) fn advance(samples: &mut [Sample], lag_s: f64) {
     }
 }
 
-/// The sample of a travel at which the extruder of the segment behind it is switched on, and the signals; `None` without a lag.
+/// The sample of a travel at which the extruder of the segment behind it is switched on, and what is asked for by the end of the travel, in mm; `None` without a lag.
 ///
-/// It is the last one that is early enough, else the first one. So much more time there is, so much slower is the filament.
+/// It is the last one that is early enough, else the first one.
 pub(super) fn early<const N: usize>(
     travel: &[PrintKnot<N>],
     prints: &[PrintKnot<N>],
     options: &BlendOptions,
-) -> Option<(usize, [Step; 2])> {
+) -> Option<(usize, f64)> {
     let lag_s = if prints.len() > 1 { of(prints, options) } else { 0.0 };
     (lag_s > 0.0).then(|| {
         let end_s = travel[travel.len() - 1].time_s;
         let cut = travel.iter().rposition(|knot| knot.time_s <= end_s - lag_s).unwrap_or(0);
         let by = laid(|k| [prints[k].time_s, prints[k].filament_mm], prints.len(), prints[0].time_s + lag_s);
-        let seconds = (end_s - travel[cut].time_s).max(lag_s);
-        let mm_s = (by - prints[0].filament_mm).max(0.0) / seconds;
-        (cut, [Step::Extruder(true), Step::FilamentSpeed(mm_s)])
+        (cut, (by - prints[0].filament_mm).max(0.0))
     })
 }

@@ -105,13 +105,17 @@ fn steps_of<const N: usize, const F: usize, W: Workcell<N, F>>(
     // A segment that has no pose gives no steps: no signals for it either.
     let next = next.filter(|next| options.lag_s > 0.0 && sampled(workcell, &next.samples).is_some());
     match next.and_then(|next| lag::early(knots, &next.samples, options)) {
-        Some((cut, signals)) => {
+        Some((cut, filament_mm)) => {
             travel(workcell, &knots[..=cut], &samples[..=cut], options, &mut steps);
-            steps.extend(signals);
+            let mut last = Vec::new();
+            // From rest to rest it may take longer than the lag: the filament is as much slower.
+            let seconds = travel(workcell, &knots[cut..], &samples[cut..], options, &mut last);
+            let mm_s = filament_mm / seconds.max(options.lag_s);
+            steps.extend([Step::Extruder(true), Step::FilamentSpeed(mm_s)]);
             state.is_on = true;
-            travel(workcell, &knots[cut..], &samples[cut..], options, &mut steps);
+            steps.extend(last);
         }
-        None => travel(workcell, knots, &samples, options, &mut steps),
+        None => _ = travel(workcell, knots, &samples, options, &mut steps),
     }
     steps
 }
@@ -163,28 +167,32 @@ fn along(samples: &[Sample], (in_hand, is_on): (bool, bool), options: &BlendOpti
     steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
 }
 
-/// A segment that does not.
+/// A segment that does not. Returns the seconds that its moves take.
 fn travel<const N: usize, const F: usize, W: Workcell<N, F>>(
     workcell: &W,
     knots: &[PrintKnot<N>],
     samples: &[Sample],
     options: &BlendOptions,
     steps: &mut Vec<Step>,
-) {
+) -> f64 {
     let turns = ways::turns(knots);
     let ends = spans(knots.len(), |from, to| ways::fits(knots, &turns, [from, to], options));
     let zones = zones(&ends, |[from, at, to]| {
         let [before, behind] = [[from, at], [at, to]].map(|pair| chord(samples, pair)[0]);
         ways::corner([from, at, to].map(|k| &knots[k].joints), [before, behind], options)
     });
+    let mut seconds = 0.0;
     for (k, pair) in ends.windows(2).enumerate() {
         let (from, to) = (&knots[pair[0]], &knots[pair[1]]);
         let way = ways::turn(&from.joints, &to.joints);
         // A posture that is held needs no move.
         let Some(place) = workcell.controller_pose(&to.joints).filter(|_| way > 0.0) else { continue };
         let rad_s = cruise(way, to.time_s - from.time_s, ramps(&zones, k), options.acceleration_rad_s2);
-        let speed = Speed { rad_s: rad_s.max(options.min_speed_rad_s), ..Speed::default() };
+        let rad_s = rad_s.max(options.min_speed_rad_s);
+        seconds += way / rad_s + f64::from(ramps(&zones, k)) * rad_s / (2.0 * options.acceleration_rad_s2);
+        let speed = Speed { rad_s, ..Speed::default() };
         let table = external(&place);
         steps.push(Step::Move(Move { goal: Goal::Joints(place.joints), table, speed, zone: zones[k] }));
     }
+    seconds
 }
