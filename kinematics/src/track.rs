@@ -1,7 +1,7 @@
 //! A linear track: the base of an arm travels along a line.
 //!
 //! Planners compare joints with one another: distances of postures, jerks, steps of a straight motion. A track in millimetres would outweigh all angles. So its
-//! joint counts in *units of turning*: one unit is [`Track::mm_per_unit`], the reach of the arm, since an arm that is stretched out moves its flange as far by a turn of its first
+//! joint counts in units: one is [`Track::mm_per_unit`], the reach of the arm, since an arm that is stretched out moves its flange as far by a turn of its first
 //! joint of one radian. Limits of speed, acceleration and jerk are in the same units. Files, programs and reports have millimetres: [`Track::mm`], [`Track::joint`].
 //!
 //! The joint is 0 in the middle of the range, and the range is at most three units: less than a turn, so that nothing that counts whole turns ever adds one.
@@ -51,7 +51,10 @@ pub enum TrackError {
     },
 }
 
-/// A track, ready to be asked. See the [module](TrackModel) for the unit of its joint.
+/// A track, ready to be asked.
+///
+/// Its joint counts in units in which it weighs as much as a radian of the arm's joints: one unit is [`mm_per_unit`](Track::mm_per_unit), the reach of the arm, or more where the
+/// range would be longer than three units. The joint is 0 in the middle of the range. Limits are in the same units; [`mm`](Track::mm) and [`joint`](Track::joint) convert positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
     direction: UnitVector3<f64>,

@@ -1,8 +1,9 @@
 //! A workcell around an arm of the catalogue, for a first plan: sizes follow the reach of the arm.
 
+use super::controller::ControllerModel;
 use super::model::{
-    ArmGeometry, ArmPart, ControllerModel, FrameModel, Held, LimitsModel, MountModel, NozzleModel, PlateModel,
-    ShapeModel, SolidModel, StandModel, VERSION, WorkcellModel,
+    ArmGeometry, ArmPart, FrameModel, Held, LimitsModel, MountModel, NozzleModel, PlateModel, ShapeModel, SolidModel,
+    StandModel, VERSION, WorkcellModel,
 };
 use crate::arm::robots::CatalogueArm;
 use crate::arm::{ArmModel, Geometry};

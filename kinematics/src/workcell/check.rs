@@ -1,8 +1,9 @@
 //! From the numbers of a file to what they describe, each checked under the name that it has in the file.
 
+use super::controller::{ControllerModel, ProgramLanguage};
 use super::model::{
-    ArmGeometry, ArmPart, CalibrationModel, ControllerModel, FrameModel, LimitsModel, NozzleModel, PlateModel,
-    PositionerGeometry, PositionerPart, ProgramLanguage, RollerModel, TrackPart, VERSION,
+    ArmGeometry, ArmPart, CalibrationModel, FrameModel, LimitsModel, NozzleModel, PlateModel, PositionerGeometry,
+    PositionerPart, RollerModel, TrackPart, VERSION,
 };
 use crate::arm::robots::{self, CatalogueArm, POSITIONERS};
 use crate::arm::{Arm, ArmDeviation, ArmError, ArmModel, DhTable, Geometry, OrthoLengths};

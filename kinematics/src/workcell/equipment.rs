@@ -1,10 +1,9 @@
 //! What stands in a workcell: the bodies of its scene, and the frames of part and nozzle.
 
 use super::check::{self, Table, WorkcellError, each, finite, positive};
+use super::controller::ProgramLanguage;
 use super::links::{self, LinkBodies, LinkMeshReader};
-use super::model::{
-    ArmGeometry, Held, MountModel, ProgramLanguage, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel,
-};
+use super::model::{ArmGeometry, Held, MountModel, RollerModel, ShapeModel, SolidModel, StandModel, WorkcellModel};
 use crate::arm::robots::{self, CatalogueArm, Maker};
 use crate::arm::{Arm, ArmModel};
 use crate::positioner::Positioner;
@@ -64,37 +63,10 @@ impl Equipment {
         let (arm, arm_model) = check::arm(&model.arm)?;
         let table = model.positioner.as_ref().map(check::positioner).transpose()?;
         let track = model.track.as_ref().map(|track| check::track(track, &arm_model)).transpose()?;
-        match (&track, &table, model.held) {
-            (Some(_), Some(_), _) => return Err(WorkcellError::TrackAndTable),
-            (Some(_), None, Held::Part) => return Err(WorkcellError::HeldPartOnTrack),
-            _ => {}
-        }
-        let ground = if track.is_some() { Mount::Ground } else { Mount::Base };
-        let on_base = |frame| (ground, frame);
-        let in_hand = |frame| (Mount::Link(6), frame);
-        let [part, nozzle] = [check::frame("part", &model.part)?, check::nozzle(&model.nozzle)?];
-        let (part, nozzle) = match (model.held, &table) {
-            (Held::Part, None) => (in_hand(part), on_base(nozzle)),
-            (Held::Nozzle, None) => (on_base(part), in_hand(nozzle)),
-            (Held::Nozzle, Some(_)) => ((Mount::Table, part), in_hand(nozzle)),
-            (Held::Part, Some(_)) => return Err(WorkcellError::HeldPartOnTable),
-        };
+        let (part, nozzle) = mounted(&model, table.is_some(), track.is_some())?;
         model.roller.as_ref().map_or(Ok(()), check::roller)?;
         check::plate(&model.plate)?;
-        let [to_part, to_tip] = [&part.1, &nozzle.1].map(|frame| frame.translation.vector.norm());
-        let across = model.plate.size_mm.map(|[x, y]| x.hypot(y));
-        let plate_mm = across.or(model.plate.diameter_mm).unwrap_or(SOME_PLATE_MM) / 2.0;
-        match (model.held, &table) {
-            (Held::Part, _) => check::reach(&arm_model, to_part, Some(("nozzle.tip_mm", to_tip)))?,
-            (Held::Nozzle, None) => {
-                let (field, away_mm) = match &track {
-                    Some(track) => ("track.range_mm", check::beside_track(track, &part.1.translation.vector)),
-                    None => ("part", to_part),
-                };
-                check::reach(&arm_model, to_tip, Some((field, away_mm - plate_mm)))?;
-            }
-            (Held::Nozzle, Some(_)) => check::reach(&arm_model, to_tip, None)?,
-        }
+        check_reach(&model, &arm_model, track.as_ref(), [&part.1, &nozzle.1])?;
         check::home(model.home_deg.as_deref(), arm.limits(), table.as_ref().map(|table| table.positioner.limits()))?;
         check::controller(&model.controller, &arm)?;
         let positioner = table.as_ref().map(|table| table.positioner);
@@ -373,6 +345,45 @@ impl Equipment {
         let cone = Shape::Hull { points: ring(flat, 0.0).chain(ring(wide, height)).collect(), radius: 0.0 };
         let block = Shape::cylinder(nozzle.block_diameter_mm / 2.0, height, nozzle.block_top_mm);
         (cone, block)
+    }
+}
+
+/// A frame on what it is fixed to.
+type Mounted = (Mount, Isometry3<f64>);
+
+/// What part and nozzle are fixed to, and their frames there.
+fn mounted(model: &WorkcellModel, has_table: bool, has_track: bool) -> Result<(Mounted, Mounted), WorkcellError> {
+    let [part, nozzle] = [check::frame("part", &model.part)?, check::nozzle(&model.nozzle)?];
+    let ground = if has_track { Mount::Ground } else { Mount::Base };
+    let hand = Mount::Link(6);
+    match (model.held, has_table, has_track) {
+        (_, true, true) => Err(WorkcellError::TrackAndTable),
+        (Held::Part, false, true) => Err(WorkcellError::HeldPartOnTrack),
+        (Held::Part, true, false) => Err(WorkcellError::HeldPartOnTable),
+        (Held::Part, false, false) => Ok(((hand, part), (Mount::Base, nozzle))),
+        (Held::Nozzle, false, _) => Ok(((ground, part), (hand, nozzle))),
+        (Held::Nozzle, true, false) => Ok(((Mount::Table, part), (hand, nozzle))),
+    }
+}
+
+/// Refuses an arm that is too short to bring part and nozzle together.
+fn check_reach(
+    model: &WorkcellModel,
+    arm: &ArmModel,
+    track: Option<&Track>,
+    [part, nozzle]: [&Isometry3<f64>; 2],
+) -> Result<(), WorkcellError> {
+    let [to_part, to_tip] = [part, nozzle].map(|frame| frame.translation.vector.norm());
+    let across = model.plate.size_mm.map(|[x, y]| x.hypot(y));
+    let plate_mm = across.or(model.plate.diameter_mm).unwrap_or(SOME_PLATE_MM) / 2.0;
+    match (model.held, &model.positioner, track) {
+        (Held::Part, ..) => check::reach(arm, to_part, Some(("nozzle.tip_mm", to_tip))),
+        (Held::Nozzle, Some(_), _) => check::reach(arm, to_tip, None),
+        (Held::Nozzle, None, None) => check::reach(arm, to_tip, Some(("part", to_part - plate_mm))),
+        (Held::Nozzle, None, Some(track)) => {
+            let away_mm = check::beside_track(track, &part.translation.vector);
+            check::reach(arm, to_tip, Some(("track.range_mm", away_mm - plate_mm)))
+        }
     }
 }
 

@@ -64,6 +64,7 @@
 
 mod around;
 mod check;
+mod controller;
 mod eight;
 mod equipment;
 mod file;
@@ -78,15 +79,16 @@ mod tool;
 mod urdf;
 
 pub use check::WorkcellError;
+pub use controller::{ControllerModel, FilamentGroupModel, ProgramLanguage};
 pub use eight::EightAxisWorkcell;
 pub use equipment::{Equipment, HOT_END, NOZZLE, PART, PLATE, PlateContact};
 pub use file::WorkcellFileError;
 pub use growing::{ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, PartCells, nozzle_pairs};
 pub use links::{LinkBodies, LinkMesh, LinkMeshReader};
 pub use model::{
-    ArmGeometry, ArmPart, BodiesModel, CalibrationModel, ControllerModel, FilamentGroupModel, FrameModel, Held,
-    LimitsModel, LinkMeshModel, MountModel, NozzleModel, PlateModel, PositionerGeometry, PositionerPart,
-    ProgramLanguage, RollerModel, ShapeModel, SolidModel, StandModel, TrackPart, UrdfModel, VERSION, WorkcellModel,
+    ArmGeometry, ArmPart, BodiesModel, CalibrationModel, FrameModel, Held, LimitsModel, LinkMeshModel, MountModel,
+    NozzleModel, PlateModel, PositionerGeometry, PositionerPart, RollerModel, ShapeModel, SolidModel, StandModel,
+    TrackPart, UrdfModel, VERSION, WorkcellModel,
 };
 pub use seven::SevenAxisWorkcell;
 pub use six::SixAxisWorkcell;
