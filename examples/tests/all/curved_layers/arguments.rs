@@ -87,6 +87,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--cell", "0.0001"], 1, "grid"),
         (&["--platform-diameter", "1e9"], 1, "platform"),
         (&["--on", "no-such-mould.stl"], 1, "no-such-mould.stl"),
+        (&["--rotary"], 2, "use --machine FILE; examples/machines has five"),
     ];
     for (args, status, word) in cases {
         let output = run(&[args, &["--out", &out]].concat());
