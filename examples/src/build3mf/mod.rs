@@ -14,6 +14,7 @@ mod frame;
 mod layer;
 mod model;
 mod names;
+mod options;
 mod package;
 mod parts;
 mod profile;
@@ -25,11 +26,12 @@ mod write_error;
 
 pub use frame::{direction_of, frame_at};
 pub use names::{CORE, LAYER_RELATIONSHIP, OURS, PRODUCTION, TOOLPATH};
+pub use options::{BuildOptions, BuildWritten};
 pub use parts::MAX_LINES;
 pub use profile::{Profile, Range};
 pub use read::{BuildReader, LayerPart, ReadBuildError, ReadSegment};
 pub use segments::segments;
-pub use write::{BuildOptions, BuildWritten, write_build};
+pub use write::write_build;
 pub use write_error::WriteBuildError;
 
 use curvlay_toolpath::path::BeadKind;

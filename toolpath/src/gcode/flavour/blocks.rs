@@ -4,14 +4,13 @@ use super::commands::{OutOfRange, command};
 use super::data::{Direction, FilamentWords, Flavour};
 use super::fill::{number_in, value_in};
 use super::program::TIME;
+use super::words::NUMBER;
 use crate::gcode::direction::COMMENT;
 use crate::gcode::lines::Lines;
 use crate::gcode::numbers::checksum;
 use crate::gcode::{FILAMENT, Move, ReadError, within};
 use std::io::BufRead;
 
-/// Numbers that a word may have: what writers that keep to the ranges of a move can reach.
-pub(super) const NUMBER: [f64; 2] = [-1e9, 1e9];
 const FEED: [f64; 2] = [1e-9, 1e9];
 
 /// How a program is read.

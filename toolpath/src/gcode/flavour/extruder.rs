@@ -1,9 +1,8 @@
 //! The filament on its way into a file: as an axis, as a flow, as a switch, or not at all.
 
-use super::blocks::NUMBER;
 use super::data::{FilamentWords, Flavour};
 use super::feed::{Class, Part};
-use super::words::push;
+use super::words::{NUMBER, push};
 use crate::gcode::text::{Text, steps};
 use crate::gcode::within;
 

@@ -1,6 +1,5 @@
 //! A program on its way out: what moves of the part and moves of axes have in common.
 
-use super::blocks::NUMBER;
 use super::data::{Flavour, TimeFeed};
 use super::error::FlavourError;
 use super::extruder::{Beyond, Extruder};
@@ -8,7 +7,7 @@ use super::feed::Part;
 use super::fill::{Value, Values, fill};
 use super::options::{FlavourWritten, ProgramOptions};
 use super::output::Output;
-use super::words::push_plain;
+use super::words::{NUMBER, push_plain};
 use crate::gcode::fiber::{self, FIBER_DECIMALS, FiberCommand, Head};
 use crate::gcode::tags::{Mark, Tagged, Tags};
 use crate::gcode::text::{Text, steps};
