@@ -94,8 +94,8 @@ pub struct Args {
     /// Takes the paths of runs with --layers, which together have all layers, instead of filling the layers
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = CELLS)]
     pub merge: Vec<PathBuf>,
-    /// Also writes a machine file for a table that tilts (B) and turns (C)
-    #[arg(long, help_heading = settings::FILES)]
+    /// What `--machine` has taken the place of.
+    #[arg(long, hide = true, help_heading = settings::FILES)]
     pub rotary: bool,
     /// Also writes a program for the axes of a five-axis machine, whose file names the flavour (docs/formats/machines.md; five are in
     /// examples/machines)

@@ -70,11 +70,14 @@ impl Args {
             Some(path) => failure(format!("{}: {error}", path.display())),
             None => failure(error),
         };
+        if self.rotary {
+            let why = "--rotary and its table are gone: use --machine FILE; examples/machines has five, open5x-table.json among them";
+            return Err(Failure::of_arguments(why));
+        }
         let Some(flavour) = &self.loaded_flavour else {
             return self.settings.check_templates().map_err(of_profile);
         };
-        let is_ignored = |id: &str| is_typed(matches, id) && (id == "dialect" || !self.rotary);
-        if let Some(id) = ["dialect", "extrusion", "line_numbers"].into_iter().find(|id| is_ignored(id)) {
+        if let Some(id) = ["dialect", "extrusion", "line_numbers"].into_iter().find(|id| is_typed(matches, id)) {
             let (option, name) = (id.replace('_', "-"), &flavour.name);
             let why = format!("--{option} does nothing in the flavour `{name}`, which says it itself: change its JSON");
             return Err(Failure::of_arguments(why));

@@ -416,7 +416,7 @@ fn of_flavour(run: &MachineRun, args: &Args, findings: &mut Findings) {
         let amount = format!("by up to {:.0} degrees", lean.to_degrees());
         let finding = findings.explain(Warning, what, amount, "toolpath.gcode");
         finding.cause("collisions were checked with the planned directions, and the machine stands upright");
-        finding.try_to("a flavour that takes directions, such as --flavour siemens or heidenhain, or --rotary");
+        finding.try_to("a flavour that takes directions, such as --flavour siemens or heidenhain, or the axes of a machine: --machine");
     }
 }
 

@@ -43,7 +43,9 @@ impl FiveAxisPrinter {
             let known = flavour_names(Direction::Axes).join(", ");
             return Err(failed(format!("dialect: the flavour `{}` takes no axes; {known} do", flavour.name)));
         }
-        let flavour = flavour.for_machine(&axes_of(&machine));
+        let axes = axes_of(&machine);
+        let flavour = flavour.for_machine(&axes);
+        flavour.check_machine(&axes).map_err(|error| failed(error.to_string()))?;
         Ok(FiveAxisPrinter { machine, flavour })
     }
 

@@ -83,6 +83,12 @@ pub fn find(AxisProgram { plan, written, .. }: &AxisProgram, findings: &mut Find
         let amount = format!("{}, up to {:.1} times slower", counted(plan.slowed, "motion"), plan.worst_slowdown);
         findings.add(Severity::Note, what, amount, FILE);
     }
+    if written.capped > 0 {
+        let what = "moves are slower than planned: their feed is above what the controller takes";
+        let finding = findings.explain(Severity::Warning, what, counted(written.capped, "move"), FILE);
+        finding.cause("`feed.max` of the flavour is lower; bead and motion keep in step");
+        finding.try_to("a lower --max-feed or --travel-feed, or a greater `feed.max` if the controller takes it");
+    }
     if written.untimed > 0 {
         let what = "the flavour cannot say how long turns at a standing tip take";
         findings.add(Severity::Note, what, counted(written.untimed, "motion"), FILE);
@@ -111,6 +117,7 @@ pub fn summary(
         .set("five_axis_lines", written.written.lines)?
         .set("five_axis_bytes", written.written.bytes)?
         .set("five_axis_time_s", plan.seconds)?
+        .set("five_axis_capped_moves", written.capped)?
         .set("five_axis_filament_mm", plan.filament_mm)?
         .set("five_axis_bead_rewinds", plan.bead_rewinds)?
         .set("five_axis_travel_rewinds", plan.travel_rewinds)?

@@ -21,7 +21,7 @@ use curvlay_examples::table::Table;
 use curvlay_kinematics::workcell::NozzleModel;
 use curvlay_toolpath::cam::{AptOptions, CamError, write_apt, write_csv};
 use curvlay_toolpath::gcode::flavour::{Flavour, FlavourWritten, ProgramOptions, write_flavour};
-use curvlay_toolpath::gcode::{Dialect, RotaryTable, WriteOptions, Written, write_gcode};
+use curvlay_toolpath::gcode::{WriteOptions, Written, write_gcode};
 use curvlay_toolpath::gouging::{Obstacle, ResolvedPaths};
 use curvlay_toolpath::orientation::ToolPath;
 use curvlay_toolpath::shell::ShellGap;
@@ -33,7 +33,7 @@ use std::path::Path;
 
 const MACHINE_FILE: &str = "toolpath.gcode";
 
-/// Writes the tool paths and the machine files; those of machines with rotary axes only where these reach all directions.
+/// Writes the tool paths and the machine files; that of a machine with rotary axes only where these reach all directions.
 pub fn products(
     args: &Args,
     name: &str,
@@ -62,10 +62,6 @@ pub fn products(
     folder.write_list("toolpath.csv", args.writes(Extra::Csv), |out| {
         write_csv(run.moves(), out).map(|_| ()).map_err(failed)
     })?;
-    if args.rotary {
-        let options = WriteOptions { dialect: Dialect::Rotary(RotaryTable::default()), ..options };
-        write(run, &options, "toolpath-bc.gcode", folder)?;
-    }
     folder.write_list("gouging.csv", !run.resolved.left.is_empty(), |out| gouging(run, out))?;
     folder.write_list("left_out.csv", !run.resolved.left_out.is_empty(), |out| left_out(run, out))?;
     folder.write_list("turns.csv", !(run.resolved.cut_turns.is_empty() && run.resolved.sharp.is_empty()), |out| {

@@ -20,6 +20,7 @@ const NAMES: [&str; 33] = [
     "paths.vtp",
     ranges::FILE,
     "toolpath.gcode",
+    // Of earlier versions.
     "toolpath-bc.gcode",
     axes::FILE,
     "flavour.json",

@@ -14,7 +14,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Unit
 /// use curvlay_examples::nalgebra::{Point3, UnitVector3, Vector3};
 /// let lean = UnitVector3::new_normalize(Vector3::new(1.0, 0.0, 1.0));
 /// let pose = frame_at(Point3::new(1.0, 2.0, 3.0), lean);
-/// assert!(direction_of(&pose).angle(&lean) < 1e-12 && pose.rotation.k == 0.0);
+/// assert!((direction_of(&pose).into_inner() - lean.into_inner()).norm() < 1e-12 && pose.rotation.k == 0.0);
 /// ```
 pub fn frame_at(tip: Point3<f64>, direction: UnitVector3<f64>) -> Isometry3<f64> {
     // (w, i, j) = (1 + z, -y, x), normalised; near straight down its length comes from i and j, which keep their digits.

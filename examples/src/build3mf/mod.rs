@@ -26,12 +26,12 @@ mod write_error;
 
 pub use frame::{direction_of, frame_at};
 pub use names::{CORE, LAYER_RELATIONSHIP, OURS, PRODUCTION, TOOLPATH};
-pub use options::BuildOptions;
+pub use options::{BuildOptions, BuildWritten};
 pub use parts::MAX_LINES;
 pub use profile::{Profile, Range};
 pub use read::{BuildReader, LayerPart, ReadBuildError, ReadSegment};
 pub use segments::segments;
-pub use write::{BuildWritten, write_build};
+pub use write::write_build;
 pub use write_error::WriteBuildError;
 
 use curvlay_toolpath::path::BeadKind;

@@ -1,10 +1,11 @@
 //! The model part: the mesh as an object, and the resource of the toolpath.
 
 use super::names::{CORE, OURS, PRODUCTION, TOOLPATH, layer_part, name_of};
+use super::options::BuildOptions;
 use super::package::HEAD;
 use super::profile::{Measured, Measures, Range};
 use super::uuid::Content;
-use super::{BuildOptions, SegmentKind, UNIT_FACTOR_MM, WriteBuildError};
+use super::{SegmentKind, UNIT_FACTOR_MM, WriteBuildError};
 use crate::mesh::Mesh;
 use std::io::Write;
 

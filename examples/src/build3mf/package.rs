@@ -16,7 +16,7 @@ pub(super) struct Package<W: Write + Seek> {
 impl<W: Write + Seek> Package<W> {
     /// Begins a package with what names its parts. The number of layers is known before the layers are.
     pub(super) fn begin(out: W, layers: usize) -> Result<Self, WriteBuildError> {
-        let mut package = Package { archive: BufWriter::new(ZipWriter::new(UntilFault { out, has_failed: false })) };
+        let mut package = Package { archive: BufWriter::new(ZipWriter::new(UntilFault::new(out))) };
         package.part("[Content_Types].xml")?;
         writeln!(package, "{HEAD}\n<Types xmlns=\"{CONTENT_TYPES}\">")?;
         for (end, kind) in [
@@ -71,26 +71,41 @@ impl<W: Write + Seek> Write for Package<W> {
 /// The first line of a part.
 pub(super) const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>";
 
-/// Output that takes nothing more once it has failed: the archive, when it is dropped, ends itself, and would print that it cannot.
+/// Output that only pretends once it has failed: the archive, when it is dropped, ends itself, and would print that it cannot.
 struct UntilFault<W> {
     out: W,
     has_failed: bool,
+    /// Where the next byte goes, and where the last one is.
+    at: u64,
+    end: u64,
 }
 
 impl<W> UntilFault<W> {
+    fn new(out: W) -> Self {
+        UntilFault { out, has_failed: false, at: 0, end: 0 }
+    }
+
     fn note<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
         self.has_failed |= result.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::Interrupted);
         result
+    }
+
+    fn go_to(&mut self, at: u64) {
+        self.at = at;
+        self.end = self.end.max(at);
     }
 }
 
 impl<W: Write> Write for UntilFault<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.has_failed {
-            return Ok(bytes.len());
-        }
-        let result = self.out.write(bytes);
-        self.note(result)
+        let count = if self.has_failed {
+            bytes.len()
+        } else {
+            let result = self.out.write(bytes);
+            self.note(result)?
+        };
+        self.go_to(self.at + count as u64);
+        Ok(count)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -104,10 +119,17 @@ impl<W: Write> Write for UntilFault<W> {
 
 impl<W: Seek> Seek for UntilFault<W> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        if self.has_failed {
-            return Ok(0);
-        }
-        let result = self.out.seek(to);
-        self.note(result)
+        let at = if self.has_failed {
+            match to {
+                SeekFrom::Start(at) => at,
+                SeekFrom::Current(by) => self.at.saturating_add_signed(by),
+                SeekFrom::End(by) => self.end.saturating_add_signed(by),
+            }
+        } else {
+            let result = self.out.seek(to);
+            self.note(result)?
+        };
+        self.go_to(at);
+        Ok(at)
     }
 }

@@ -28,6 +28,8 @@ impl Content {
     /// The UUID of something of this content.
     pub(super) fn uuid(mut self, of: &str) -> String {
         self.add(of.as_bytes());
+        // The last bytes reach all bits only by the ones behind them.
+        self.add(&[0; 16]);
         let [version, variant] = [0xf_u128 << 76, 0x3_u128 << 62];
         let bits = (self.0 & !version & !variant) | (0x8_u128 << 76) | (0x2_u128 << 62);
         let hex = format!("{bits:032x}");

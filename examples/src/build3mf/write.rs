@@ -3,7 +3,7 @@
 use super::layer;
 use super::model::{self, Names};
 use super::names::{MODEL_PART, layer_part};
-use super::options::BuildOptions;
+use super::options::{BuildOptions, BuildWritten};
 use super::package::Package;
 use super::parts::Parts;
 use super::profile::Measures;
@@ -12,17 +12,6 @@ use super::{Segment, SegmentKind, WriteBuildError};
 use crate::mesh::Mesh;
 use nalgebra::Isometry3;
 use std::io::{Seek, Write};
-
-/// What has been written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BuildWritten {
-    /// Parts with layers; a layer of more than [`MAX_LINES`](super::MAX_LINES) lines has several.
-    pub parts: usize,
-    /// Segments.
-    pub segments: usize,
-    /// Lines of all segments.
-    pub lines: usize,
-}
 
 /// Writes mesh and segments as a 3MF package with a toolpath of six axes.
 ///

@@ -60,7 +60,7 @@ const KEYS: [(&str, &str); 49] = [
 ];
 
 /// Options without a key: what they do is seen in the results, or in the files.
-const WITHOUT_KEY: &str = "help version allow-large allow-guesses voxels cell resume layers merge compare statistics out quiet also rotary machine \
+const WITHOUT_KEY: &str = "help version allow-large allow-guesses voxels cell resume layers merge compare statistics out quiet also machine \
     orient-directions orient-voxels refine min-tipping standing-first cell8 program no-links program-steps ur-extruder";
 
 /// An option as `--help` shows it.

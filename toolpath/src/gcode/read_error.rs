@@ -118,6 +118,16 @@ pub enum ReadError {
         /// The number that should come.
         expected: f64,
     },
+    /// A line has a number that is not above the one before: lines come twice, or in another order.
+    #[error("line {line}: its number is {given}, after {before}; numbers must ascend")]
+    Descending {
+        /// The line.
+        line: u64,
+        /// Its number.
+        given: f64,
+        /// The number before it.
+        before: f64,
+    },
     /// A line has no end.
     #[error("line {line} is longer than {most} bytes")]
     LineTooLong {

@@ -107,6 +107,19 @@ pub enum WriteError {
         /// Greatest value allowed.
         most: f64,
     },
+    /// Position or flow of the extruder grow beyond the numbers that controllers and readers take.
+    #[error(
+        "move {index}: the number of the extruder would be {value}; it must be up to {most} either way: count filament move by move \
+         (`filament.relative`) or from 0 again (`filament.reset_mm`), or take a smaller `filament.scale`"
+    )]
+    Extruder {
+        /// The move.
+        index: u64,
+        /// The number, in the units of the file.
+        value: f64,
+        /// Greatest number either way.
+        most: f64,
+    },
     /// A move of another kind than the writer takes.
     #[error("move {index}: {problem}")]
     Kind {

@@ -3,7 +3,7 @@
 use crate::flavour_common::*;
 use crate::gcode_common::{print, travel, unit};
 use curvlay_toolpath::gcode::flavour::*;
-use curvlay_toolpath::gcode::{FiberCommand, Move, Tags, Tool};
+use curvlay_toolpath::gcode::{FiberCommand, Move, Tags, Tool, WriteError};
 use curvlay_toolpath::nalgebra::Vector3;
 
 /// The golden program of a flavour. `CURVLAY_WRITE_GOLDEN=1` writes it anew: look at the difference before it is committed.
@@ -121,8 +121,18 @@ fn flavours_that_cannot_be() {
         ),
         (
             "linuxcnc",
-            |f| f.axes = vec![AxisWord { axis: 'B', word: "f".into(), scale: 1.0 }],
-            "`axes[0].word`: the word `f` is that of `feed.word`, too",
+            |f| f.axes = vec![AxisWord { axis: 'B', word: "a".into(), scale: 1.0 }],
+            "`filament.word`: the word `A` is that of `axes[0].word`, too",
+        ),
+        (
+            "linuxcnc",
+            |f| f.axes = vec![AxisWord { axis: 'B', word: "m3=".into(), scale: 1.0 }],
+            "`axes[0].word`: controllers read M as something else than an axis; take another word",
+        ),
+        (
+            "siemens",
+            |f| f.direction = Direction::Vector { words: ["A3=".into(), "B3=".into(), "S3=".into()] },
+            "`direction.words[2]`: controllers read S as something else than an axis; take another word",
         ),
         (
             "siemens",
@@ -230,6 +240,19 @@ fn what_does_not_go_together() {
     let twice = [X, Y, Z, MachineAxis::rotary('C'), MachineAxis::rotary('C')];
     let error = written_axes(&twice, &[start], &linuxcnc, &options()).unwrap_err().to_string();
     assert_eq!(error, "the flavour `linuxcnc`: `axes`: two axes of the machine have the word C");
+    for letter in "FGLMNOPST".chars() {
+        let reserved = [X, Y, Z, MachineAxis::rotary('B'), MachineAxis::rotary(letter)];
+        let error = written_axes(&reserved, &[start], &linuxcnc, &options()).unwrap_err().to_string();
+        let expected = format!(
+            "`axes`: controllers read {letter} as something else than an axis: give axis {letter} another letter, or a word in `axes`"
+        );
+        assert!(error.ends_with(&expected), "{error}");
+        assert!(linuxcnc.check_machine(&reserved).is_err());
+        // By another word it is one.
+        let word = AxisWord { axis: letter, word: "C".into(), scale: 1.0 };
+        let renamed = Flavour { axes: vec![word], ..linuxcnc.clone() };
+        assert!(written_axes(&reserved, &[start], &renamed, &options()).unwrap().0.contains(" B0 C0"));
+    }
     let renamed = Flavour { axes: vec![AxisWord { axis: 'W', word: "W".into(), scale: 1.0 }], ..linuxcnc.clone() };
     assert_eq!(on_table(&[start], &renamed), "the flavour `linuxcnc`: `axes`: the machine has no axis W: it has XYZBC");
     assert_eq!(
@@ -284,6 +307,79 @@ fn what_does_not_go_together() {
     let far = [travel([-1234.5678, -1234.5678, 1234.5678], Vector3::z_axis(), 50.0)];
     let error = written_part(&far, &short, &ProgramOptions { start: Some(""), ..options() }).unwrap_err().to_string();
     assert!(error.ends_with("bytes; the flavour allows 32 (`lines.max_length`)"), "{error}");
+}
+
+/// A count of filament that would overflow is an error at the move; one that is counted move by move, or set back, is written however much there is.
+#[test]
+fn filament_has_an_end() {
+    let start = AxisMove::Travel { axes: [0.0; 5], seconds: 1.0 };
+    let mut at = 0.0;
+    let mut bead = |filament_mm| {
+        at += 1.0;
+        AxisMove::Print { axes: [at, 0.0, 0.0, 0.0, 0.0], seconds: 1.0, filament_mm }
+    };
+    let moves: Vec<AxisMove<5>> = std::iter::once(start).chain((0..1200).map(|_| bead(1e6))).collect();
+    let counted = |relative: bool, reset: Option<f64>, factor: f64| {
+        let mut flavour = flavour("linuxcnc");
+        let FilamentWords::Axis { relative: is_relative, reset_mm, scale, mode, .. } = &mut flavour.filament else {
+            panic!("no axis")
+        };
+        (*is_relative, *reset_mm, *scale) = (relative, reset, factor);
+        mode.clear();
+        written_axes(&TABLE, &moves, &flavour, &options())
+    };
+    let error = counted(false, None, 1.0).unwrap_err();
+    assert!(
+        matches!(error, WriteError::Extruder { index: 1001, value, most } if value > 1e9 && (most - 1e9).abs() < 1.0),
+        "{error}"
+    );
+    assert!(error.to_string().contains("`filament.relative`"), "{error}");
+    for (relative, reset) in [(true, None), (false, Some(1e6))] {
+        let (_, result) = counted(relative, reset, 1.0).unwrap();
+        assert!((result.written.filament_mm - 1.2e9).abs() < 1.0);
+    }
+    // 1e6 mm at once, a million units each.
+    assert!(matches!(counted(true, None, 1e6), Err(WriteError::Extruder { index: 1, .. })));
+    let mut flow = flavour("linuxcnc");
+    flow.filament =
+        FilamentWords::Flow { change: "M67 E0 Q{flow}".into(), at_once: "M68 E0 Q{flow}".into(), scale: 1e6 };
+    let error = written_axes(&TABLE, &moves, &flow, &options()).unwrap_err();
+    assert!(matches!(error, WriteError::Extruder { index: 1, .. }), "{error}");
+}
+
+/// Moves above the fastest feed of the controller are counted, and take as long as that feed says.
+#[test]
+fn capped_feeds_are_counted() {
+    let start = AxisMove::Travel { axes: [0.0; 5], seconds: 1.0 };
+    let bead = |x: f64, seconds| AxisMove::Print { axes: [x, 0.0, 0.0, 0.0, 0.0], seconds, filament_mm: 0.1 };
+    let mut flavour = flavour("linuxcnc");
+    (flavour.feed.time, flavour.feed.prefer_time, flavour.feed.max) = (None, false, 600.0);
+    // 10 mm/s is the fastest: 20, 10, 5 mm/s.
+    let moves = [start, bead(10.0, 0.5), bead(20.0, 1.0), bead(30.0, 2.0)];
+    let (file, result) = written_axes(&TABLE, &moves, &flavour, &options()).unwrap();
+    assert_eq!((result.capped, result.untimed), (1, 1));
+    let read: Vec<AxisMove<5>> = AxisReader::new(file.as_bytes(), &TABLE, &flavour, FlavourReadOptions::default())
+        .unwrap()
+        .collect::<Result<_, _>>()
+        .unwrap();
+    let seconds = |item: &AxisMove<5>| match item {
+        AxisMove::Print { seconds, .. } => Some(*seconds),
+        _ => None,
+    };
+    assert_eq!(read.iter().filter_map(seconds).collect::<Vec<_>>(), [1.0, 1.0, 2.0]);
+    // Where a time can be said, nothing is slower.
+    let timed = Flavour::built_in("linuxcnc").unwrap();
+    let timed = Flavour { feed: Feed { max: 600.0, ..timed.feed.clone() }, ..timed };
+    assert_eq!(written_axes(&TABLE, &moves, &timed, &options()).unwrap().1.capped, 0);
+    // Moves of the part: beads of 20 mm/s.
+    let siemens = Flavour::built_in("siemens").unwrap();
+    let slow = Flavour { feed: Feed { max: 600.0, ..siemens.feed.clone() }, ..siemens };
+    let (file, result) = written_part(&dome(), &slow, &options()).unwrap();
+    assert!(file.contains(" F600") && !file.contains(" F1200"));
+    assert!(
+        result.capped > 0
+            && written_part(&dome(), &Flavour::built_in("siemens").unwrap(), &options()).unwrap().1.capped == 0
+    );
 }
 
 /// What an owner of a machine writes: Fanuc's tool centre point, an extruder named `C1=`, seconds as feeds.
@@ -402,6 +498,13 @@ fn programs_that_cannot_be_read() {
             "line 1, column 5: the direction has the length 2; it must be within 0.01 of 1",
         ),
         ("siemens", "N10 G1 X1 Y1 Z1 A3=0 B3=0 F60", "line 1, column 5: the word C3= is missing"),
+        ("siemens", "N10 G1 X1 Y1 Z1 F60\nN10 X2", "line 2: its number is 10, after 10; numbers must ascend"),
+        ("siemens", "N20 G1 X1 Y1 Z1 F60\nG1 X3\nN10 G1 X2", "line 3: its number is 10, after 20; numbers must ascend"),
+        (
+            "heidenhain",
+            "4 LN X+1 Y+1 Z+1 TX+0 TY+0 TZ+1 F60\n3 M5",
+            "line 2: its number is 3, after 4; numbers must ascend",
+        ),
         ("siemens", "G1 X1 Y1 Z1 U=IC(1 F60", "line 1, column 20: expected the end of a word, found `F60`"),
     ];
     for (name, file, expected) in cases {
@@ -432,6 +535,14 @@ fn programs_that_cannot_be_read() {
             .find_map(Result::err)
             .map(|error| error.to_string())
     };
+    let numbered = |lines: &[&str]| -> String {
+        let sum = |line: &&str| format!("{line}*{}\n", line.bytes().fold(0, |sum, byte| sum ^ byte));
+        lines.iter().map(sum).collect()
+    };
+    assert_eq!(error(&numbered(&["N0 M110 N0", "N1 G28", "N2 G28"])), None);
+    assert_eq!(error(&numbered(&["N7 G28", "N0 M110 N0", "N1 G28"])), None);
+    let lost = Some("line 3: its number is 3, but 2 comes next".into());
+    assert_eq!(error(&numbered(&["N0 M110 N0", "N1 G28", "N3 G28"])), lost);
     assert_eq!(error("N3 G28*0"), Some("line 1, column 7: the checksum is 0, but that of the line is 16".into()));
     assert_eq!(error("N3 G28*16"), None);
 }

@@ -1,6 +1,6 @@
 //! Attributes of elements, by the types of the schema.
 
-use super::ReadBuildError;
+use super::error::ReadBuildError;
 use roxmltree::Node;
 
 /// An element of a part, and how a reader finds it.

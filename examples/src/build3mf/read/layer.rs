@@ -1,9 +1,10 @@
 //! A part with a layer.
 
 use super::attributes::Element;
+use super::data::ReadSegment;
+use super::error::ReadBuildError;
 use super::model::{FACTORS, Model, Modifiers, Quantity};
 use super::package::parse;
-use super::{ReadBuildError, ReadSegment};
 use crate::build3mf::names::{OURS, TOOLPATH};
 use crate::build3mf::profile::Profile;
 use crate::build3mf::{Line, Section};

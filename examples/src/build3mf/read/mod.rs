@@ -1,14 +1,14 @@
 //! Reads a build: the model at once, layers one by one.
 
 mod attributes;
+mod data;
 mod error;
 mod layer;
 mod model;
 mod package;
-mod part;
 
+pub use data::{LayerPart, ReadSegment};
 pub use error::ReadBuildError;
-pub use part::{LayerPart, ReadSegment};
 
 use super::names::{LAYER_RELATIONSHIP, MODEL_RELATIONSHIP};
 use super::profile::Profile;

@@ -1,8 +1,9 @@
 //! The model part: profiles, layers and items of the build.
 
 use super::attributes::Element;
+use super::data::LayerPart;
+use super::error::ReadBuildError;
 use super::package::parse;
-use super::{LayerPart, ReadBuildError};
 use crate::build3mf::names::{OURS, PRODUCTION, TOOLPATH, kind_of};
 use crate::build3mf::profile::{Profile, Range};
 use roxmltree::Node;

@@ -1,6 +1,6 @@
 //! Parts of the package. What is unpacked is limited.
 
-use super::ReadBuildError;
+use super::error::ReadBuildError;
 use crate::build3mf::names::relationships_of;
 use roxmltree::{Document, ParsingOptions};
 use std::collections::BTreeSet;

@@ -63,7 +63,7 @@ proptest! {
         for step in motions.skip(1) {
             let (segment, line) = lines.next().unwrap();
             prop_assert_eq!(Point3::from(line.end.translation.vector), step.tip);
-            prop_assert!(direction_of(&line.end).angle(&step.direction) < 1e-9);
+            prop_assert!((direction_of(&line.end).into_inner() - step.direction.into_inner()).norm() < 1e-12);
             prop_assert!((line.seconds - step.seconds).abs() <= 0.0);
             if let Some(speed) = line.speed_mm_s {
                 prop_assert!((speed - step.feed).abs() <= 0.0);

@@ -7,7 +7,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 80] = [
+    let cases: [(&[&str], i32, &str); 81] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -93,6 +93,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--cell", "0.0001"], 1, "grid"),
         (&["--platform-diameter", "1e9"], 1, "platform"),
         (&["--on", "no-such-mould.stl"], 1, "no-such-mould.stl"),
+        (&["--rotary"], 2, "use --machine FILE; examples/machines has five"),
     ];
     for (args, status, word) in cases {
         let output = run(&[args, &["--out", &out]].concat());

@@ -16,10 +16,19 @@ fn what_an_earlier_run_has_left_goes_away() {
         names
     };
     let run_with = |more: &[&str]| run(&[&["--mesh", &mesh, "--quiet", "--out", &out][..], more].concat());
-    assert_eq!(run_with(&["--cell", "2", "--rotary"]).status.code(), Some(0));
-    assert!(at("toolpath.gcode").exists() && at("toolpath-bc.gcode").exists());
-    // Of ours, as other runs would leave it, and not of ours.
-    for name in ["print.mod", "print2_003.mod", "print_002.script", "print_001.csv", "programs.csv", "gouging.csv"] {
+    let machine = concat!(env!("CARGO_MANIFEST_DIR"), "/machines/open5x-table.json");
+    assert_eq!(run_with(&["--cell", "2", "--machine", machine]).status.code(), Some(0));
+    assert!(at("toolpath.gcode").exists() && at("toolpath-axes.gcode").exists());
+    // Of ours, as other runs and earlier versions would leave it, and not of ours.
+    for name in [
+        "toolpath-bc.gcode",
+        "print.mod",
+        "print2_003.mod",
+        "print_002.script",
+        "print_001.csv",
+        "programs.csv",
+        "gouging.csv",
+    ] {
         fs::write(at(name), "old").unwrap();
     }
     fs::write(at(".trajectory.csv.4711.part"), "begun").unwrap();

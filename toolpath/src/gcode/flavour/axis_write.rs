@@ -1,6 +1,7 @@
 //! Moves of a machine's axes in the flavour of its controller.
 
 use super::axis_move::{AxisMove, MachineAxis};
+use super::check::reserved_letter;
 use super::data::{AxisWord, Direction, FilamentWords, Flavour};
 use super::error::FlavourError;
 use super::feed::{Class, Part, length};
@@ -77,6 +78,14 @@ pub(super) struct Axis {
 }
 
 impl Axis {
+    fn new(MachineAxis { letter, is_rotary }: MachineAxis, flavour: &Flavour) -> Self {
+        let given = flavour.axes.iter().find(|word| word.axis == letter);
+        let decimals = if is_rotary { flavour.numbers.angle } else { flavour.numbers.position };
+        let AxisWord { word, scale, .. } =
+            given.cloned().unwrap_or_else(|| AxisWord { axis: letter, word: letter.to_string(), scale: 1.0 });
+        Axis { letter, word, scale, is_rotary, decimals }
+    }
+
     /// A number of the file, from millimetres or radians.
     fn number(&self, value: f64) -> f64 {
         self.scale * if self.is_rotary { value.to_degrees() } else { value }
@@ -94,29 +103,43 @@ pub(super) fn axes_of<const N: usize>(
     machine: &[MachineAxis; N],
     flavour: &Flavour,
 ) -> Result<[Axis; N], FlavourError> {
-    let wrong =
-        |field: &str, problem: String| FlavourError { flavour: flavour.name.clone(), field: field.into(), problem };
-    if flavour.direction != Direction::Axes {
-        let problem = "the flavour takes tip and direction; moves of axes need `axes`".into();
-        return Err(wrong("direction.by", problem));
+    flavour.check_machine(machine)?;
+    Ok(machine.map(|axis| Axis::new(axis, flavour)))
+}
+
+impl Flavour {
+    /// Whether a machine of these axes goes with the flavour: letters and words of its axes, which [`write_axis_moves`] checks before its first line.
+    ///
+    /// # Errors
+    /// [`FlavourError`]: the flavour cannot be, takes no axes, names an axis that the machine lacks, or a word would be read as something else.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_toolpath::gcode::flavour::{Flavour, MachineAxis};
+    /// let flavour = Flavour::built_in("linuxcnc").ok_or("not built in")?;
+    /// assert!(flavour.check_machine(&[MachineAxis::linear('X'), MachineAxis::rotary('B')]).is_ok());
+    /// let error = flavour.check_machine(&[MachineAxis::linear('X'), MachineAxis::rotary('M')]).unwrap_err();
+    /// assert!(error.to_string().contains("controllers read M as something else than an axis"), "{error}");
+    /// # Ok::<(), &str>(())
+    /// ```
+    pub fn check_machine(&self, machine: &[MachineAxis]) -> Result<(), FlavourError> {
+        self.check()?;
+        let wrong =
+            |field: &str, problem: String| FlavourError { flavour: self.name.clone(), field: field.into(), problem };
+        if self.direction != Direction::Axes {
+            let problem = "the flavour takes tip and direction; moves of axes need `axes`".into();
+            return Err(wrong("direction.by", problem));
+        }
+        if machine.is_empty() {
+            return Err(wrong("axes", "the machine has no axis".into()));
+        }
+        if let Some(word) = self.axes.iter().find(|word| !machine.iter().any(|axis| axis.letter == word.axis)) {
+            let letters: String = machine.iter().map(|axis| axis.letter).collect();
+            return Err(wrong("axes", format!("the machine has no axis {}: it has {letters}", word.axis)));
+        }
+        let axes: Vec<Axis> = machine.iter().map(|axis| Axis::new(*axis, self)).collect();
+        check_axes(&axes, self).map_err(|(field, problem)| wrong(field, problem))
     }
-    if N == 0 {
-        return Err(wrong("axes", "the machine has no axis".into()));
-    }
-    if let Some(word) = flavour.axes.iter().find(|word| !machine.iter().any(|axis| axis.letter == word.axis)) {
-        let letters: String = machine.iter().map(|axis| axis.letter).collect();
-        return Err(wrong("axes", format!("the machine has no axis {}: it has {letters}", word.axis)));
-    }
-    let axes = std::array::from_fn(|k| {
-        let MachineAxis { letter, is_rotary } = machine[k];
-        let given = flavour.axes.iter().find(|word| word.axis == letter);
-        let decimals = if is_rotary { flavour.numbers.angle } else { flavour.numbers.position };
-        let AxisWord { word, scale, .. } =
-            given.cloned().unwrap_or_else(|| AxisWord { axis: letter, word: letter.to_string(), scale: 1.0 });
-        Axis { letter, word, scale, is_rotary, decimals }
-    });
-    check_axes(&axes, flavour).map_err(|(field, problem)| wrong(field, problem))?;
-    Ok(axes)
 }
 
 /// No two words of a line are the same.
@@ -125,6 +148,13 @@ fn check_axes(axes: &[Axis], flavour: &Flavour) -> Result<(), (&'static str, Str
     for (k, axis) in axes.iter().enumerate() {
         if !axis.letter.is_ascii_uppercase() {
             return Err(("axes", format!("the letter `{}` of the machine is not A to Z", axis.letter)));
+        }
+        if let Some(letter) = reserved_letter(&axis.word) {
+            let problem = format!(
+                "controllers read {letter} as something else than an axis: give axis {} another letter, or a word in `axes`",
+                axis.letter
+            );
+            return Err(("axes", problem));
         }
         if axes[..k].iter().any(|other| same(&other.word, &axis.word)) {
             return Err(("axes", format!("two axes of the machine have the word {}", axis.word)));
@@ -213,7 +243,10 @@ impl<W: Write, const N: usize> AxisWriter<'_, W, N> {
         for (axis, count) in self.axes.iter().zip(counts) {
             push(&mut words, &axis.word, count, axis.decimals, flavour);
         }
-        let extruder = filament_mm.and_then(|by| self.program.extruder.word(flavour, by, &mut words));
+        let extruder = match filament_mm {
+            Some(by) => self.program.extruded(by, &mut words)?,
+            None => None,
+        };
         let speed = self.speed(&to, extruder, seconds, is_travel);
         self.program.go(Block { is_travel, words: &words.0, comment: "", speed })?;
         if self.at.is_some() {
@@ -250,6 +283,7 @@ impl<W: Write, const N: usize> AxisWriter<'_, W, N> {
         }
         let Some(at) = self.at else {
             let (feed, decimals) = (60.0 * self.program.options.first_feed_mm_s, flavour.numbers.feed);
+            self.program.result.capped += u64::from(feed > flavour.feed.max);
             return Speed::PerMinute(steps(feed.min(flavour.feed.max), decimals).max(1));
         };
         let parts = self.axes.iter().enumerate().map(|(k, axis)| Part {

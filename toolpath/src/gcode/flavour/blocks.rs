@@ -4,14 +4,13 @@ use super::commands::{OutOfRange, command};
 use super::data::{Direction, FilamentWords, Flavour};
 use super::fill::{number_in, value_in};
 use super::program::TIME;
+use super::words::NUMBER;
 use crate::gcode::direction::COMMENT;
 use crate::gcode::lines::Lines;
 use crate::gcode::numbers::checksum;
 use crate::gcode::{FILAMENT, Move, ReadError, within};
 use std::io::BufRead;
 
-/// Numbers that a word may have: what writers that keep to the ranges of a move can reach.
-pub(super) const NUMBER: [f64; 2] = [-1e9, 1e9];
 const FEED: [f64; 2] = [1e-9, 1e9];
 
 /// How a program is read.
@@ -63,6 +62,8 @@ pub(super) struct Blocks<R> {
     pub flow: f64,
     /// The switch.
     pub on: bool,
+    /// Number of the last line that had one.
+    number: Option<f64>,
 }
 
 impl<R: BufRead> Blocks<R> {
@@ -91,6 +92,7 @@ impl<R: BufRead> Blocks<R> {
             position: 0.0,
             flow: 0.0,
             on: false,
+            number: None,
         }
     }
 
@@ -154,7 +156,8 @@ impl<R: BufRead> Blocks<R> {
         }
     }
 
-    /// Passes over the number that a line begins with.
+    /// Passes over the number that a line begins with. Where the flavour numbers lines, numbers ascend; those with checksums have each its next one, and
+    /// `M110` begins anew.
     fn number_of_line(&mut self) -> Result<(), ReadError> {
         self.lines.skip_spaces();
         let prefix = self.flavour.lines.numbers.as_ref().map_or("N", |numbers| &numbers.prefix).to_owned();
@@ -162,10 +165,26 @@ impl<R: BufRead> Blocks<R> {
         let is_prefix = rest.len() >= prefix.len() && rest[..prefix.len()].eq_ignore_ascii_case(prefix.as_bytes());
         if is_prefix && rest.get(prefix.len()).is_some_and(u8::is_ascii_digit) {
             self.lines.skip(prefix.len());
-            self.lines.number()?;
+            let given = self.lines.number()?;
             self.lines.skip_spaces();
+            self.follow_number(given)?;
         }
         Ok(())
+    }
+
+    fn follow_number(&mut self, given: f64) -> Result<(), ReadError> {
+        let Some(numbers) = &self.flavour.lines.numbers else { return Ok(()) };
+        let rest = self.lines.rest();
+        let begins_anew = rest.len() >= 4 && rest[..4].eq_ignore_ascii_case(b"M110");
+        let before = self.number.replace(given).filter(|_| !begins_anew);
+        let line = self.lines.row();
+        match before {
+            Some(before) if numbers.checksum && (given - before - numbers.step as f64).abs() > 0.0 => {
+                Err(ReadError::LineNumber { line, given, expected: before + numbers.step as f64 })
+            }
+            Some(before) if given <= before => Err(ReadError::Descending { line, given, before }),
+            _ => Ok(()),
+        }
     }
 
     /// Passes over spaces, and comments before the end of the line; at a checksum or a comment up to the end, the line is over.

@@ -160,6 +160,12 @@ impl Flavour {
             words.push(("filament.word".into(), word));
         }
         for (index, (field, word)) in words.iter().enumerate() {
+            if let Some(letter) = reserved_letter(word).filter(|_| field != "feed.word") {
+                return wrong(
+                    field,
+                    &format!("controllers read {letter} as something else than an axis; take another word"),
+                );
+            }
             if !is_word(word) {
                 return wrong(field, "it must be a word that begins with a letter, such as `F` or `A3=`");
             }
@@ -280,6 +286,18 @@ fn scale(field: &str, factor: f64) -> Result<(), (String, String)> {
         true => Ok(()),
         false => Err((field.to_owned(), format!("{factor} is not from 1e-6 to 1e6, of either sign"))),
     }
+}
+
+/// Letters whose numbers are something else to controllers: feed, preparatory and miscellaneous functions, programs and jumps, line numbers,
+/// parameters, speed of the spindle, tools (T. Kramer, F. Proctor, E. Messina, NISTIR 6556, 2000, table 3; `L` and `O`: as Siemens, Heidenhain and
+/// LinuxCNC name subprograms and lines).
+const RESERVED: &str = "FGLMNOPST";
+
+/// The letter of a word that controllers take for something else than an axis: `G`, `M3`, `S1=`; not of names such as `FEED=`.
+pub(super) fn reserved_letter(word: &str) -> Option<char> {
+    let letters = word.bytes().take_while(u8::is_ascii_alphabetic).count();
+    let letter = word.chars().next()?.to_ascii_uppercase();
+    (letters == 1 && RESERVED.contains(letter)).then_some(letter)
 }
 
 /// A word before a number: a letter, then letters and digits, at last perhaps `=` or `=IC(`.

@@ -51,6 +51,8 @@ pub struct FlavourWritten {
     pub written: Written,
     /// Moves whose time the flavour cannot say: they take as long as the controller thinks right.
     pub untimed: u64,
+    /// Moves whose feed would be above [`Feed::max`](super::Feed::max), and which the program therefore does more slowly than planned.
+    pub capped: u64,
     /// Retractions, primes and commands that the flavour has no words for; commands stand in comments.
     pub without_words: u64,
     /// Greatest angle between a direction and +z that was left out, radians: 0 unless the direction is [`Upright`](super::Direction::Upright) or in a comment.

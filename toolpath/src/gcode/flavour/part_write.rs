@@ -152,7 +152,7 @@ impl<W: Write> PartWriter<'_, W> {
         }
         let comment = self.direction(&direction, &mut words);
         if let Some(by) = filament_mm {
-            self.program.extruder.word(flavour, by, &mut words);
+            self.program.extruded(by, &mut words)?;
         }
         let speed = if is_travel && !flavour.motion.travel_feed { Speed::Rapid } else { self.feed(feed_mm_s) };
         self.program.go(Block { is_travel, words: &words.0, comment: &comment, speed })?;
@@ -186,6 +186,7 @@ impl<W: Write> PartWriter<'_, W> {
     /// The feed of the tip, as fast as the flavour can say.
     fn feed(&mut self, feed_mm_s: f64) -> Speed {
         let (feed, decimals) = (feed_mm_s * 60.0, self.program.flavour.numbers.feed);
+        self.program.result.capped += u64::from(feed > self.program.flavour.feed.max);
         Speed::PerMinute(steps(feed.min(self.program.flavour.feed.max), decimals).max(1))
     }
 

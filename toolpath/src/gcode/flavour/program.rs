@@ -2,11 +2,12 @@
 
 use super::data::{Flavour, TimeFeed};
 use super::error::FlavourError;
-use super::extruder::Extruder;
+use super::extruder::{Beyond, Extruder};
+use super::feed::Part;
 use super::fill::{Value, Values, fill};
 use super::options::{FlavourWritten, ProgramOptions};
 use super::output::Output;
-use super::words::push_plain;
+use super::words::{NUMBER, push_plain};
 use crate::gcode::fiber::{self, FIBER_DECIMALS, FiberCommand, Head};
 use crate::gcode::tags::{Mark, Tagged, Tags};
 use crate::gcode::text::{Text, steps};
@@ -252,7 +253,7 @@ impl<'a, W: Write> Program<'a, W> {
 
     /// What changes the flow or the switch before a move.
     pub fn change(&mut self, filament_mm: f64, seconds: f64) -> Result<(), WriteError> {
-        match self.extruder.change(self.flavour, filament_mm, seconds) {
+        match self.extruder.change(self.flavour, filament_mm, seconds).map_err(self.beyond())? {
             Some(line) => self.output.line(&line),
             None => Ok(()),
         }
@@ -264,7 +265,7 @@ impl<'a, W: Write> Program<'a, W> {
     }
 
     fn at_once(&mut self, mm_s: f64) -> Result<(), WriteError> {
-        match self.extruder.at_once(self.flavour, mm_s) {
+        match self.extruder.at_once(self.flavour, mm_s).map_err(self.beyond())? {
             Some(line) => self.output.line(&line),
             None => Ok(()),
         }
@@ -277,13 +278,24 @@ impl<'a, W: Write> Program<'a, W> {
         }
     }
 
+    /// The word of the extruder, if it is an axis.
+    pub fn extruded(&mut self, by_mm: f64, words: &mut Text) -> Result<Option<Part>, WriteError> {
+        self.extruder.word(self.flavour, by_mm, words).map_err(self.beyond())
+    }
+
+    /// The error of an extruder that this move takes too far.
+    fn beyond(&self) -> impl Fn(Beyond) -> WriteError + use<W> {
+        let index = self.result.written.moves.saturating_sub(1);
+        move |Beyond(value)| WriteError::Extruder { index, value, most: NUMBER[1] }
+    }
+
     /// Filament that is moved while all axes stand still.
     pub fn stroke(&mut self, by_mm: f64, feed_mm_s: f64) -> Result<(), WriteError> {
         let flavour = self.flavour;
         let seconds = (by_mm.abs() / feed_mm_s).clamp(TIME[0], TIME[1]);
         self.zero()?;
         let mut words = Text::default();
-        if let Some(part) = self.extruder.word(flavour, by_mm, &mut words) {
+        if let Some(part) = self.extruded(by_mm, &mut words)? {
             let length = super::feed::length(flavour.feed.of, std::iter::once(part));
             let speed = self.speed_of(length, by_mm.abs() / feed_mm_s);
             self.go(Block { is_travel: false, words: &words.0, comment: "", speed })?;
@@ -308,6 +320,7 @@ impl<'a, W: Write> Program<'a, W> {
         if feed.time.is_some() && (feed.prefer_time || !says) {
             return Speed::Time(seconds);
         }
+        self.result.capped += u64::from(60.0 * length / seconds > feed.max);
         self.result.untimed += u64::from(!says);
         // Where the feed says nothing, the one that holds stays, as any other would do.
         match self.feed {

@@ -3,6 +3,9 @@
 use super::data::Flavour;
 use crate::gcode::text::Text;
 
+/// Numbers that a word may have: what writers that keep to the ranges of a move can reach.
+pub(super) const NUMBER: [f64; 2] = [-1e9, 1e9];
+
 /// A coordinate: ` X+10.5`.
 pub(super) fn push(text: &mut Text, word: &str, count: i64, decimals: usize, flavour: &Flavour) {
     text.word(" ").word(word);
