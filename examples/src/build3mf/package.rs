@@ -71,7 +71,8 @@ impl<W: Write + Seek> Write for Package<W> {
 /// The first line of a part.
 pub(super) const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>";
 
-/// Output that only pretends once it has failed: the archive, when it is dropped, ends itself, and would print that it cannot.
+/// Output that only pretends once it has failed: the archive, when it is dropped, ends itself, and would print that it cannot. It counts on a place no
+/// farther back than where its last part begins, also where it was about to change what is before: so the place is then the end.
 struct UntilFault<W> {
     out: W,
     has_failed: bool,
@@ -122,8 +123,7 @@ impl<W: Seek> Seek for UntilFault<W> {
         let at = if self.has_failed {
             match to {
                 SeekFrom::Start(at) => at,
-                SeekFrom::Current(by) => self.at.saturating_add_signed(by),
-                SeekFrom::End(by) => self.end.saturating_add_signed(by),
+                SeekFrom::Current(_) | SeekFrom::End(_) => self.end,
             }
         } else {
             let result = self.out.seek(to);

@@ -161,6 +161,7 @@ impl Write for Shared {
 mod tests {
     use super::*;
     use crate::motion::{TABLE_CELL, programs::languages, workcell_model, workcell_of, workcell_or};
+    use curvlay_kinematics::program::{Goal, Move, Speed, Zone};
     use std::path::Path;
 
     fn language(arm: &str) -> Result<Option<TargetLanguage>, Failure> {
@@ -186,7 +187,9 @@ mod tests {
         let cell = workcell_of(workcell_or(None, TABLE_CELL).unwrap(), None).unwrap();
         let files = |language| {
             let format = TargetFormat::new("print".into(), language, 1.0);
-            let files = target_files(std::iter::empty(), cell.equipment(), &format).unwrap();
+            let goal = Goal::Joints([0.0, 0.0, 0.0, 0.0, 0.5, 0.0]);
+            let home = Move { goal, table: Some([0.0; 2].into()), speed: Speed::default(), zone: Zone::Stop };
+            let files = target_files([Step::Move(home)], cell.equipment(), &format).unwrap();
             files.into_keys().collect::<Vec<_>>()
         };
         assert!(files(TargetLanguage::Rapid).contains(&"print.mod".to_owned()));

@@ -31,6 +31,10 @@ pub struct TargetOptions {
     /// And where the speed of the tip and the filament for a millimetre are those of the line within this share. Default
     /// 0.05.
     pub merge_share: f64,
+    /// On its way without extrusion the tip goes over the part by no more than this, in mm/s. Default 250, the limit of ISO 10218-1 for a reduced speed.
+    pub travel_mm_s: f64,
+    /// And no joint turns faster than this, in rad/s. Default 1.
+    pub travel_rad_s: f64,
     /// The speed of the filament is written again where it changes by more than this share, as in a stream. Default 0.002.
     pub same_speed: f64,
 }
@@ -45,6 +49,8 @@ impl Default for TargetOptions {
             merge_mm: 0.05,
             merge_rad: 1e-3,
             merge_share: 0.05,
+            travel_mm_s: 250.0,
+            travel_rad_s: 1.0,
             same_speed: 2e-3,
         }
     }

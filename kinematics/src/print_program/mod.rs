@@ -20,6 +20,7 @@ mod options;
 mod pieces;
 mod stream;
 mod targets;
+mod travel_speed;
 
 pub use blended::{BlendOptions, BlendedSegment, print_blended};
 pub use dropped::PrintSteps;

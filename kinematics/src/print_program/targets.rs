@@ -3,7 +3,7 @@
 use super::dropped::{PrintSteps, count};
 use super::knot::{PrintKnot, TargetOptions};
 use super::merge::merged;
-use super::stream::by_joints;
+use super::travel_speed::travel_speed;
 use crate::program::{ExternalAxes, Goal, Move, Speed, Step, TimedSignal, Zone};
 use crate::workcell::{ControllerPose, Workcell};
 use std::cell::Cell;
@@ -72,12 +72,18 @@ fn steps<const N: usize, const F: usize, W: Workcell<N, F>>(
 ) -> impl Iterator<Item = Step> {
     let TargetOptions { corner_mm, turn_factor, min_turn_rad_s, min_speed_mm_s, .. } = options;
     let counter = dropped.clone();
+    // The posture in which the last step ends.
+    let at = Rc::new(Cell::new(None));
+    let reached = at.clone();
     let joints_move = move |joints: &[f64; N]| {
-        let place = workcell.controller_pose(joints);
-        if place.is_none() {
+        let from = at.replace(Some(*joints));
+        let Some(place) = workcell.controller_pose(joints) else {
             count(&counter);
-        }
-        place.map(|place| by_joints(place.joints, external(&place)))
+            return None;
+        };
+        let speed = travel_speed(workcell, from, joints, &options);
+        let goal = Goal::Joints(place.joints);
+        Some(Step::Move(Move { goal, table: external(&place), speed, zone: Zone::Stop }))
     };
     let line = move |[a, b]: [&PrintKnot<N>; 2], zone: Zone| {
         let (from, to) = (workcell.controller_pose(&a.joints), workcell.controller_pose(&b.joints));
@@ -94,8 +100,10 @@ fn steps<const N: usize, const F: usize, W: Workcell<N, F>>(
         Some((filament_mm_s, to))
     };
     motions.into_iter().flat_map(move |TargetMotion { knots, onward, head }| {
+        let end = knots.last().map(|knot| knot.joints);
         if let Some(signals) = head {
             let mut steps = along_tape(&knots, signals, &joints_move, &line, corner_mm);
+            reached.set(end.or(reached.get()));
             steps.extend(onward.iter().filter_map(&joints_move));
             return steps;
         }
@@ -118,6 +126,7 @@ fn steps<const N: usize, const F: usize, W: Workcell<N, F>>(
                 steps.push(Step::Move(to));
             }
             steps.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
+            reached.set(end);
         }
         steps.extend(onward.iter().filter_map(&joints_move));
         steps

@@ -179,9 +179,11 @@ fn targets_are_where_the_joints_are_and_as_fast_as_the_plan() {
     let cell = over_table();
     let options = TargetOptions { merge_mm: 0.0, ..TargetOptions::default() };
     let (motion, mut expected) = (motion(), vec![]);
+    // Travels are the subject of other tests: their speeds are taken as they are.
     let by_joints = |joints: &[f64; 8]| {
         let goal = Goal::Joints(joints[..6].try_into().unwrap());
-        Step::Move(Move { goal, table: Some([joints[6], joints[7]].into()), speed: Speed::default(), zone: Zone::Stop })
+        let table = Some([joints[6], joints[7]].into());
+        Step::Move(Move { goal, table, speed: Speed::default(), zone: Zone::Stop })
     };
     expected.extend([by_joints(&motion.knots[0].joints), Step::Extruder(true)]);
     for k in 1..5 {
@@ -197,7 +199,19 @@ fn targets_are_where_the_joints_are_and_as_fast_as_the_plan() {
     }
     expected.extend([Step::FilamentSpeed(0.0), Step::Extruder(false)]);
     expected.extend(motion.onward.iter().map(by_joints));
-    assert_eq!(print_targets(&cell, [motion], options).collect::<Vec<_>>(), expected);
+    let mut steps: Vec<Step> = print_targets(&cell, [motion], options).collect();
+    let mut travels = vec![];
+    for step in &mut steps {
+        if let Step::Move(Move { goal: Goal::Joints(_), speed, .. }) = step {
+            travels.push(std::mem::take(speed));
+        }
+    }
+    assert_eq!(steps, expected);
+    // To the start from anywhere, and two travels that turn joints by up to a tenth.
+    assert_eq!(travels[0], Speed { mm_s: 50.0, rad_s: 0.2 });
+    assert!(
+        travels.len() == 3 && travels[1..].iter().all(|speed| (speed.mm_s - 250.0).abs() < 1e-9 && speed.rad_s <= 1.0)
+    );
 }
 
 #[test]
