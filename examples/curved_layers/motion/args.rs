@@ -111,18 +111,16 @@ impl MotionArgs {
         )))
     }
 
-    /// The format that is wanted: the one given, if the controller takes it, else that of its language.
+    /// The format that is wanted: the one given, if the arm takes it, else that of its controller's language, CSV where none is written.
     ///
     /// # Errors
-    /// A format that the controller does not take.
+    /// A format that the arm does not take.
     pub fn format(&self, cell: &AnyWorkcell) -> Result<ProgramFormat, Failure> {
         let equipment = cell.equipment();
         let taken = programs::languages(equipment);
         let Some(format) = self.program else {
-            // A cell that takes several takes its own, which is the first.
-            return Ok(taken.as_ref().map_or(ProgramFormat::Csv, |taken| {
-                taken.first().copied().map_or(ProgramFormat::Csv, ProgramFormat::of_language)
-            }));
+            let own = taken.ok().and_then(|_| equipment.language());
+            return Ok(own.map_or(ProgramFormat::Csv, ProgramFormat::of_language));
         };
         let Some(language) = format.language() else { return Ok(format) };
         let refused = |why: &str| Err(Failure::of_arguments(format!("--program {}: {why}", format.name())));
@@ -130,9 +128,8 @@ impl MotionArgs {
             Ok(taken) if taken.contains(&language) => Ok(format),
             Ok(taken) => {
                 let names: Vec<_> = taken.iter().map(|language| ProgramFormat::of_language(*language).name()).collect();
-                let own = if names.is_empty() { "csv".to_owned() } else { names.join(", ") };
                 let arm = equipment.catalogue_arm().map_or("the arm of this workcell", |arm| arm.title);
-                refused(&format!("{arm} takes {own}; `controller.language` of a workcell file names another one"))
+                refused(&format!("{arm} takes {}", names.join(", ")))
             }
             Err(why) => refused(why),
         }

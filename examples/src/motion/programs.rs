@@ -27,19 +27,17 @@ pub fn takes_stream(equipment: &Equipment) -> Result<bool, &'static str> {
     }
 }
 
-/// The languages that the controller of a cell takes, its own first: the one that the workcell or the arm's maker names; for an arm that is
-/// given by lengths and is not of the type of Universal Robots all those of targets; none for a maker whose language is not written.
+/// The languages in which programs of a cell can be written, its own first: the one that the workcell or the arm's maker names. An arm of Universal
+/// Robots takes URScript alone; targets for any other arm can be written in all languages of targets, for controllers that are not of its maker.
 ///
 /// # Errors
 /// As of [`takes_stream`].
 pub fn languages(equipment: &Equipment) -> Result<Vec<ProgramLanguage>, &'static str> {
     use ProgramLanguage::{Krl, Rapid, Tp};
-    takes_stream(equipment)?;
-    let is_named = equipment.model().controller.language.is_some() || equipment.catalogue_arm().is_some();
-    Ok(match equipment.language() {
-        Some(Rapid) if !is_named => vec![Rapid, Krl, Tp],
-        language => language.into_iter().collect(),
-    })
+    let others: &[ProgramLanguage] = if takes_stream(equipment)? { &[] } else { &[Rapid, Krl, Tp] };
+    let own = equipment.language();
+    let others = others.iter().copied().filter(|language| Some(*language) != own);
+    Ok(own.into_iter().chain(others).collect())
 }
 
 /// Steps of a program of joints over time: 13 minutes of motion in about 13 MB. B. Brooks (2016, section 4.14) could not load 180,000 lines.

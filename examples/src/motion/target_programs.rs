@@ -178,7 +178,10 @@ mod tests {
         model.controller.language = Some(ProgramLanguage::Krl);
         let cell = workcell_of(model, None).unwrap();
         assert_eq!(TargetLanguage::of(cell.equipment()).unwrap(), Some(TargetLanguage::Krl));
-        assert_eq!(languages(cell.equipment()), Ok(vec![ProgramLanguage::Krl]));
+        assert_eq!(
+            languages(cell.equipment()),
+            Ok(vec![ProgramLanguage::Krl, ProgramLanguage::Rapid, ProgramLanguage::Tp])
+        );
     }
 
     /// Files of one program, by the endings of its language.

@@ -234,7 +234,7 @@ fn a_robot_prints_a_block_by_lines_with_blends() {
     assert!(!text.contains("set_standard"));
     assert_eq!((figures["program_files"].as_u64(), figures["program_not_at_home"].as_u64()), (Some(2), Some(0)));
     let output = run(&["--stage", "motion", "--cell8", "--program", "urscript-movep", "--out", &scratch.path("no")]);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("only for arms of Universal Robots"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("takes rapid, krl, tp"));
 }
 
 /// The same block over a table, for KUKA and for Fanuc.
