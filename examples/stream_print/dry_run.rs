@@ -3,6 +3,7 @@
 use super::sockets::StreamError;
 use super::stand_in::StandIn;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_kinematics::program::ur_stream::{
     UrState, UrStreamError, UrStreamJob, UrStreamOptions, UrStreamSender, UrTick,
 };
@@ -27,10 +28,10 @@ pub struct DryRun {
 impl fmt::Display for DryRun {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let DryRun { ticks, seconds, stood, fastest_rad_s, filament_mm } = self;
-        let degrees = fastest_rad_s.to_degrees();
+        let (degrees, stood) = (fastest_rad_s.to_degrees(), counted(*stood as usize, "cycle"));
         write!(
             f,
-            "the stand-in ran {ticks} ticks in {seconds:.1} s, stood for {stood} cycles, turned joints by at most {degrees:.1} degrees/s and laid \
+            "the stand-in ran {ticks} ticks in {seconds:.1} s, stood for {stood}, turned joints by at most {degrees:.1} degrees/s and laid \
              {filament_mm:.1} mm of filament"
         )
     }

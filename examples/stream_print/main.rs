@@ -16,7 +16,6 @@ pub mod sockets;
 pub mod stand_in;
 
 pub use args::Args;
-use clap::Parser;
 use curvlay_examples::args::{self as shared, Failure, Outcome, note};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::input::Inputs;
@@ -35,8 +34,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 fn main() -> ExitCode {
-    shared::run(|| {
-        let args = Args::parse();
+    shared::run_with_args(|args: Args| {
         let said = work(&args, &Bars::new(args.quiet))?;
         println!("{said}");
         Ok(Outcome::Done)

@@ -33,11 +33,11 @@ pub struct FiveAxis {
     pub limits: Limits,
 }
 
-/// The machine for which `curved_layers --rotary` writes.
+/// The machine of a program for which nobody names one.
 const TABLE: &str = include_str!("table.json");
 
 impl FiveAxis {
-    /// The table of `curved_layers --rotary`: B about y carries C about z, both through the origin of the part.
+    /// The table of a program for which nobody names a machine: B about y carries C about z, both through the origin of the part.
     ///
     /// # Errors
     /// Never, as long as its file is one.

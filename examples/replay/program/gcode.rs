@@ -129,7 +129,7 @@ impl<R: BufRead> GcodeProgram<R> {
         self.words = words_found;
         if comment.is_some_and(|comment| comment.starts_with("DIR:")) {
             return Err(self.refused(
-                "directions in the part: no machine takes them; replay the file with its axes (curved_layers --machine or --rotary)",
+                "directions in the part: no machine takes them; replay the file with its axes (curved_layers --machine)",
             ));
         }
         Ok(true)
@@ -335,7 +335,7 @@ mod tests {
         assert!(fault("G93\nG1 X1 Y0 Z0 F10\nG1 X2").starts_with("line 3: under G93"));
         assert!(fault("G1 X1 F100").contains("needs XYZ"));
         assert!(fault("G1 X F100").starts_with("line 1, column 5: expected a number behind `X`"));
-        assert!(fault("G1 X1 ;DIR:0 0 1").contains("--rotary"));
+        assert!(fault("G1 X1 ;DIR:0 0 1").contains("--machine"));
         assert!(fault("G92 X0").contains("G92 of a machine axis"));
         assert!(fault("G1 X1 Y0 Z0 F0").contains("F is 0"));
         assert!(fault("G1 (open").contains("column 4"));
