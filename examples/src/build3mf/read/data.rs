@@ -16,7 +16,7 @@ pub struct LayerPart {
 /// A segment of a file: as [`Segment`], with its profile in place of a kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadSegment {
-    /// Its profile, by its place in [`BuildReader::profiles`].
+    /// Its profile, by its place in [`BuildReader::profiles`](super::BuildReader::profiles).
     pub profile: usize,
     /// Its `tag`: in files of ours the path, from 0.
     pub tag: Option<u32>,
