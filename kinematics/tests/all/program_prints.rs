@@ -347,12 +347,19 @@ fn the_stated_time_is_that_of_the_moves() {
         })
     };
     let motion = motion();
-    // By joints at 50 mm/s and 1 rad/s: the first from a line, in a chord.
+    // By joints, as fast as the steps say: the first from a line, in a chord.
+    let speeds: Vec<Speed> = print_targets(&cell, [motion.clone()], TargetOptions::default())
+        .filter_map(|step| match step {
+            Step::Move(Move { goal: Goal::Joints(_), speed, .. }) => Some(speed),
+            _ => None,
+        })
+        .collect();
     let last = motion.knots[4].joints;
     let off = pose(&last).translation.vector - pose(&[0.1; 8]).translation.vector;
-    let from_line = (off.norm() / 50.0).max(pose(&last).rotation.angle_to(&pose(&[0.1; 8]).rotation));
+    let turned = pose(&last).rotation.angle_to(&pose(&[0.1; 8]).rotation);
+    let from_line = (off.norm() / speeds[1].mm_s).max(turned / speeds[1].rad_s);
     let [mm, rad] = way(&[0.1; 8], &[0.2; 8]);
-    let onward = from_line + (mm / 50.0).max(rad);
+    let onward = from_line + (mm / speeds[2].mm_s).max(rad / speeds[2].rad_s);
     let seconds = |options: TargetOptions| {
         let steps: Vec<Step> = print_targets(&cell, [motion.clone()], options).collect();
         let files = Files::default();
