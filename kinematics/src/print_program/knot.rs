@@ -31,9 +31,9 @@ pub struct TargetOptions {
     /// And where the speed of the tip and the filament for a millimetre are those of the line within this share. Default
     /// 0.05.
     pub merge_share: f64,
-    /// On its way without extrusion the tip goes over the part by no more than this, in mm/s. Default 250, the limit of ISO 10218-1 for a reduced speed.
+    /// Maximum speed of the tip over the part in travels, in mm/s. Default 250, the limit of ISO 10218-1 for a reduced speed.
     pub travel_mm_s: f64,
-    /// And no joint turns faster than this, in rad/s. Default 1.
+    /// Maximum speed of a joint in travels, in rad/s. Default 1.
     pub travel_rad_s: f64,
     /// The speed of the filament is written again where it changes by more than this share, as in a stream. Default 0.002.
     pub same_speed: f64,

@@ -1,11 +1,11 @@
-//! How fast a travel by joints goes.
+//! The speed of a travel by joints.
 
 use super::knot::TargetOptions;
 use crate::program::Speed;
 use crate::workcell::Workcell;
 use nalgebra::Vector3;
 
-/// From where the program was started, the arm goes slowly: that way is known to nobody. In mm/s of the tip and rad/s of the fastest joint.
+/// The speed from where the program was started: slow, since that way was not planned. In mm/s of the tip and rad/s of the fastest joint.
 const FROM_ANYWHERE: Speed = Speed { mm_s: 50.0, rad_s: 0.2 };
 
 /// Chords along the way of the tip.
@@ -31,8 +31,8 @@ pub(super) fn travel_speed<const N: usize, const F: usize, W: Workcell<N, F>>(
     let chord_mm = tips.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
     // The chord that is passed fastest takes an eighth of the time of the motion.
     let rad_s = turn * travel_mm_s / (f64::from(CHORDS) * chord_mm);
-    // Where nothing moves, it is no number.
-    Speed { mm_s: travel_mm_s, rad_s: if rad_s < travel_rad_s { rad_s } else { travel_rad_s } }
+    // NaN where nothing moves, which `min` drops.
+    Speed { mm_s: travel_mm_s, rad_s: rad_s.min(travel_rad_s) }
 }
 
 #[cfg(all(test, feature = "serde"))]
