@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-/// Steps that are made as they are asked for. What could not become steps is counted: [`dropped`](Self::dropped) is known when the last step has come.
+/// Steps that are made when the iterator is advanced. Motions without a pose are counted: [`dropped`](Self::dropped) is complete behind the last step.
 ///
 /// # Example
 /// ```
@@ -20,7 +20,7 @@ use std::rc::Rc;
 /// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct PrintSteps<I> {
     steps: I,
     dropped: Rc<Cell<u64>>,
@@ -33,7 +33,7 @@ impl<I> PrintSteps<I> {
         PrintSteps { steps: make(dropped.clone()), dropped }
     }
 
-    /// How many motions, or moves of them, have no step so far, since the controller has no pose for a posture: a table beyond its limits
+    /// Number of motions, or of their moves, left out so far because the controller has no pose for a posture: a table beyond its limits
     /// ([`Workcell::controller_pose`](crate::workcell::Workcell::controller_pose)). A program with such gaps is not the print.
     pub fn dropped(&self) -> u64 {
         self.dropped.get()

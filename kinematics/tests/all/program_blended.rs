@@ -426,7 +426,7 @@ fn signals_come_earlier_by_the_lag() {
     }
 }
 
-/// Bug: a segment with a posture that has no pose was left out without a word.
+/// Bug: a segment with a posture that has no pose was left out and not counted.
 #[test]
 fn what_has_no_pose_is_counted() {
     let cell = crate::common::cells::over_table();

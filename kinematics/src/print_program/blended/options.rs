@@ -37,7 +37,7 @@ pub struct BlendOptions {
     pub min_speed_mm_s: f64,
     /// Speed of a joint that is written at least, in rad/s. Default 0.001.
     pub min_speed_rad_s: f64,
-    /// How much earlier signals come than what they ask for, in seconds, 0 to 0.5: the extruder takes as long. Default 0.
+    /// Lag of the extruder in seconds, 0 to 0.5: signals come earlier by it. Default 0.
     pub lag_s: f64,
     /// The speed of the filament is written again where it changes by more than this share. Default 0.002, as in a stream: what is off may add up over a print.
     pub same_speed: f64,

@@ -13,6 +13,7 @@ use crate::print_program::targets::external;
 use crate::program::{Goal, Move, SPEED_FACTORS, Speed, Step, Zone};
 use crate::workcell::Workcell;
 use std::cell::Cell;
+use std::rc::Rc;
 
 /// The steps of a print as few moves with blends: by joints to the first sample, then each segment from rest to rest.
 ///
@@ -21,8 +22,9 @@ use std::cell::Cell;
 /// the limits of a table gives none either and is counted ([`PrintSteps::dropped`]).
 ///
 /// With [`BlendOptions::lag_s`] the speed of the filament is that of the plan so much later, and the extruder is switched on as much before the end of the travel that
-/// leads to a segment, where the tool stops. A segment that takes less than twice as long has half of its time instead. Behind what is still to be asked for the
-/// filament is as good as at rest, and the extruder is switched off at the end, as a signal to stop comes at rest only.
+/// leads to a segment, where the tool stops. Without such a travel the filament of the lag at the begin of the segment is missing. For a segment that takes less than
+/// twice the lag, the lag is half of its time. When all filament has been asked for, it nearly stops (0.001 mm/s), and the extruder is switched off at the end, since a
+/// signal to stop comes only at rest.
 ///
 /// For an arm without a table these steps are a URScript of `movep` and `movej`
 /// ([`Straight::MoveP`](crate::program::Straight::MoveP), [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell)).
@@ -56,68 +58,73 @@ pub fn print_blended<'a, const N: usize, const F: usize, W: Workcell<N, F>>(
     options: BlendOptions,
 ) -> PrintSteps<impl Iterator<Item = Step> + 'a> {
     PrintSteps::new(|dropped| {
-        let (mut segments, mut state) = (segments.into_iter().peekable(), State::default());
-        std::iter::from_fn(move || {
-            let segment = segments.next()?;
-            let next = segments.peek().filter(|next| next.prints && !segment.prints);
-            Some(steps_of(workcell, &segment, next, &options, (&mut state, &dropped)))
-        })
-        .flatten()
+        let sampled = move |BlendedSegment { samples: knots, prints }| {
+            let samples = sampled(workcell, &knots);
+            Sampled { knots, samples, prints }
+        };
+        let mut segments = segments.into_iter().map(sampled).peekable();
+        let mut blended = Blended { workcell, options, dropped, has_begun: false, is_on: false };
+        std::iter::from_fn(move || Some(blended.steps(segments.next()?, segments.peek()))).flatten()
     })
 }
 
-/// What the segments before have left.
-#[derive(Default)]
-struct State {
+/// A segment with its samples; `None` where a posture has no pose.
+struct Sampled<const N: usize> {
+    knots: Vec<PrintKnot<N>>,
+    samples: Option<Vec<Sample>>,
+    prints: bool,
+}
+
+/// Makes the steps of segments, one after the other.
+struct Blended<'a, const N: usize, const F: usize, W: Workcell<N, F>> {
+    workcell: &'a W,
+    options: BlendOptions,
+    dropped: Rc<Cell<u64>>,
     has_begun: bool,
     /// Whether the extruder was switched on for the segment that follows.
     is_on: bool,
 }
 
-/// The steps of a segment, and the signals of the next one that come before its end.
-fn steps_of<const N: usize, const F: usize, W: Workcell<N, F>>(
-    workcell: &W,
-    segment: &BlendedSegment<N>,
-    next: Option<&BlendedSegment<N>>,
-    options: &BlendOptions,
-    (state, dropped): (&mut State, &Cell<u64>),
-) -> Vec<Step> {
-    if segment.samples.len() < 2 {
-        return Vec::new();
-    }
-    let Some(mut samples) = sampled(workcell, &segment.samples) else {
-        count(dropped);
-        return Vec::new();
-    };
-    let mut steps = Vec::new();
-    if !std::mem::replace(&mut state.has_begun, true) {
-        let first = workcell.controller_pose(&segment.samples[0].joints);
-        steps.extend(first.map(|place| by_joints(place.joints, external(&place))));
-    }
-    if segment.prints {
-        let lag_s = lag::of(&segment.samples, options);
-        lag::advance(&mut samples, lag_s);
-        let is_on = std::mem::take(&mut state.is_on);
-        along(&samples, (part_in_hand(workcell), is_on), options, &mut steps);
-        return steps;
-    }
-    let knots = &segment.samples;
-    // A segment that has no pose gives no steps: no signals for it either.
-    let next = next.filter(|next| options.lag_s > 0.0 && sampled(workcell, &next.samples).is_some());
-    match next.and_then(|next| lag::early(knots, &next.samples, options)) {
-        Some((cut, filament_mm)) => {
-            travel(workcell, &knots[..=cut], &samples[..=cut], options, &mut steps);
-            let mut last = Vec::new();
-            // From rest to rest it may take longer than the lag: the filament is as much slower.
-            let seconds = travel(workcell, &knots[cut..], &samples[cut..], options, &mut last);
-            let mm_s = filament_mm / seconds.max(options.lag_s);
-            steps.extend([Step::Extruder(true), Step::FilamentSpeed(mm_s)]);
-            state.is_on = true;
-            steps.extend(last);
+impl<const N: usize, const F: usize, W: Workcell<N, F>> Blended<'_, N, F, W> {
+    /// The steps of a segment, and the signals of the next one that come before its end.
+    fn steps(&mut self, Sampled { knots, samples, prints }: Sampled<N>, next: Option<&Sampled<N>>) -> Vec<Step> {
+        if knots.len() < 2 {
+            return Vec::new();
         }
-        None => _ = travel(workcell, knots, &samples, options, &mut steps),
+        let Some(mut samples) = samples else {
+            count(&self.dropped);
+            return Vec::new();
+        };
+        let (workcell, options) = (self.workcell, &self.options);
+        let mut steps = Vec::new();
+        if !std::mem::replace(&mut self.has_begun, true) {
+            let first = workcell.controller_pose(&knots[0].joints);
+            steps.extend(first.map(|place| by_joints(place.joints, external(&place))));
+        }
+        if prints {
+            if !std::mem::take(&mut self.is_on) {
+                steps.push(Step::Extruder(true));
+            }
+            let lag_s = lag::of(&samples, options);
+            lag::advance(&mut samples, lag_s);
+            along(&samples, part_in_hand(workcell), options, &mut steps);
+            return steps;
+        }
+        // A segment that has no pose gives no steps: no signals for it either.
+        let next = next.filter(|next| next.prints).and_then(|next| next.samples.as_deref());
+        let Some((cut, filament_mm)) = next.and_then(|next| lag::early(&samples, next, options)) else {
+            travel(workcell, &knots, &samples, options, &mut steps);
+            return steps;
+        };
+        travel(workcell, &knots[..=cut], &samples[..=cut], options, &mut steps);
+        let mut last = Vec::new();
+        // From rest to rest it may take longer than the lag: the filament is as much slower.
+        let seconds = travel(workcell, &knots[cut..], &samples[cut..], options, &mut last);
+        steps.extend([Step::Extruder(true), Step::FilamentSpeed(filament_mm / seconds.max(options.lag_s))]);
+        self.is_on = true;
+        steps.extend(last);
+        steps
     }
-    steps
 }
 
 /// How many ends of a move are at rest: a move begins at rest where the one before stops.
@@ -131,8 +138,8 @@ fn zones(ends: &[usize], corner: impl Fn([usize; 3]) -> Zone) -> Vec<Zone> {
     ends.windows(3).map(|three| corner([three[0], three[1], three[2]])).chain([Zone::Stop]).collect()
 }
 
-/// A segment that prints.
-fn along(samples: &[Sample], (in_hand, is_on): (bool, bool), options: &BlendOptions, steps: &mut Vec<Step>) {
+/// A segment that prints, with the extruder on.
+fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut Vec<Step>) {
     let ends = spans(samples.len(), |from, to| lines::fits(samples, in_hand, [from, to], options));
     let lays = |from: usize, to: usize| samples[to].filament_mm > samples[from].filament_mm;
     let flows = |from: usize, to: usize| lays(from, to) || samples[to].due_mm > samples[from].due_mm;
@@ -141,9 +148,6 @@ fn along(samples: &[Sample], (in_hand, is_on): (bool, bool), options: &BlendOpti
         let [from, at, to] = three;
         if flows(from, at) == flows(at, to) { lines::corner(samples, in_hand, three, options) } else { Zone::Stop }
     });
-    if !is_on {
-        steps.push(Step::Extruder(true));
-    }
     let mut fed: Option<f64> = None;
     for (k, pair) in ends.windows(2).enumerate() {
         let (from, to) = (&samples[pair[0]], &samples[pair[1]]);
@@ -152,9 +156,10 @@ fn along(samples: &[Sample], (in_hand, is_on): (bool, bool), options: &BlendOpti
         // A TCP that only turns is as slow as its tip.
         let speed_at = |way: f64| cruise(way, seconds, ramps(&zones, k), options.acceleration_mm_s2);
         let share = if way > 0.0 { speed_at(way) / way } else { 1.0 / seconds };
-        let due = (to.due_mm - from.due_mm).max(0.0) * share;
-        // A blend takes no stop of the filament.
-        let filament = if lays(pair[0], pair[1]) { due.max(lag::MIN_FED_MM_S.min(options.lag_s)) } else { due };
+        let speed_of = |filament_mm: f64| filament_mm.max(0.0) * share;
+        // A blend takes no stop of the filament: where all of it has been asked for, a little still flows.
+        let least = speed_of(to.filament_mm - from.filament_mm).min(lag::MIN_FED_MM_S);
+        let filament = speed_of(to.due_mm - from.due_mm).max(least);
         if fed.is_none_or(|fed| (filament - fed).abs() > options.same_speed * fed) {
             steps.push(Step::FilamentSpeed(filament));
             fed = Some(filament);
