@@ -61,7 +61,7 @@ pub fn write_csv(
     limits: &ProgramLimits,
     out: impl Write,
 ) -> Result<(), WriteError> {
-    write_under(HEADER, steps, limits, out)
+    write_rows(false, steps, limits, out)
 }
 
 /// The same for an arm on a track: in the place of `tilt` is `track_mm`, its position in millimetres, and `turn` is empty. [`CsvReader`] reads both.
@@ -86,19 +86,18 @@ pub fn write_csv_on_track(
     limits: &ProgramLimits,
     out: impl Write,
 ) -> Result<(), WriteError> {
-    write_under(TRACK_HEADER, steps, limits, out)
+    write_rows(true, steps, limits, out)
 }
 
-fn write_under(
-    header: &str,
+fn write_rows(
+    is_track: bool,
     steps: impl IntoIterator<Item = Step>,
     limits: &ProgramLimits,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
     let failed = |source| WriteError::Io { file: "the CSV".to_owned(), source };
-    let is_track = header == TRACK_HEADER;
     let mut checker = Checker::new(limits);
-    let mut text = Vec::from(header);
+    let mut text = Vec::from(if is_track { TRACK_HEADER } else { HEADER });
     text.push(b'\n');
     for step in steps {
         checker.check(&step)?;
@@ -124,10 +123,9 @@ fn write_under(
 
 /// The step with the position of a track as a plain number of millimetres; `None` where there is another axis.
 fn in_mm(step: Step) -> Option<Step> {
-    let Step::Move(Move { table: Some(external), .. }) = &step else { return Some(step) };
+    let Step::Move(to @ Move { table: Some(external), .. }) = step else { return Some(step) };
     // Rounded to a picometre: the way over radians loses the last bit.
     let mm = (external.track_mm()? * 1e9).round() / 1e9;
-    let Step::Move(to) = step else { return Some(step) };
     Some(Step::Move(Move { table: ExternalAxes::new([Some(mm), None, None, None, None, None]), ..to }))
 }
 
@@ -356,12 +354,11 @@ impl<R: BufRead> Row<R> {
                 *axis = Some(self.number(TABLE + k)?);
             }
         }
-        let table = match (self.is_track, axes[0]) {
-            (true, Some(mm)) => {
-                self.blank(TABLE + 1..SPEED)?;
-                Some(ExternalAxes::of_track(mm))
-            }
-            _ => ExternalAxes::new(axes),
+        let table = if self.is_track {
+            self.blank(TABLE + 1..SPEED)?;
+            axes[0].map(ExternalAxes::of_track)
+        } else {
+            ExternalAxes::new(axes)
         };
         let speed =
             Speed { mm_s: self.positive(SPEED, "a speed")?, rad_s: self.positive(SPEED + 1, "a speed of turning")? };

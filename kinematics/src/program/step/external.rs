@@ -38,9 +38,7 @@ impl ExternalAxes {
             _ => None,
         }
     }
-}
 
-impl ExternalAxes {
     /// A linear track at a position in millimetres as the first axis: `eax_a` of RAPID, `E1` of KRL and TP.
     /// ```
     /// use curvlay_kinematics::program::ExternalAxes;
@@ -52,7 +50,7 @@ impl ExternalAxes {
         ExternalAxes([Some(mm.to_radians()), None, None, None, None, None])
     }
 
-    /// The position of a track in millimetres, if the first axis and no other is there, and that is what it is.
+    /// The first axis as the position of a track in millimetres; `None` unless it is the only one. Whether it is a track is not stored.
     pub fn track_mm(&self) -> Option<f64> {
         match self.0 {
             [Some(track), None, None, None, None, None] => Some(track.to_degrees()),
