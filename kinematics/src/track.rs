@@ -12,14 +12,14 @@ use nalgebra::{UnitVector3, Vector3};
 /// The range is no longer than this in units of the joint: less than half a turn either way.
 const MAX_RANGE: f64 = 3.0;
 
-/// What a track may do, as its maker states it. Speeds and the like may be infinite: no limit.
+/// Data of a track as its maker states them. Speed, acceleration and jerk may be infinite: no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackModel {
     /// The way of the base as the position of the track grows, in the base frame, of any length.
     pub direction: [f64; 3],
     /// From the least to the greatest position, in millimetres, as the controller counts.
     pub range_mm: [f64; 2],
-    /// The position at which the base of the arm is the origin, in millimetres.
+    /// The position at which the base of the arm is the origin of the world, in millimetres.
     pub zero_mm: f64,
     /// Greatest speed, mm/s.
     pub speed_mm_s: f64,
@@ -29,7 +29,7 @@ pub struct TrackModel {
     pub jerk_mm_s3: f64,
 }
 
-/// Numbers that make no track.
+/// Invalid data of a track.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrackError {
@@ -51,7 +51,7 @@ pub enum TrackError {
     },
 }
 
-/// A track, ready to be asked.
+/// A track whose data are checked.
 ///
 /// Its joint counts in units in which it weighs as much as a radian of the arm's joints: one unit is [`mm_per_unit`](Track::mm_per_unit), the reach of the arm, or more where the
 /// range would be longer than three units. The joint is 0 in the middle of the range. Limits are in the same units; [`mm`](Track::mm) and [`joint`](Track::joint) convert positions.
@@ -91,8 +91,8 @@ impl Track {
     pub fn new(model: &TrackModel, reach_mm: f64) -> Result<Self, TrackError> {
         let TrackModel { direction: value, range_mm: [least, most], zero_mm, .. } = *model;
         let along = Vector3::from(value);
-        let unit = UnitVector3::try_new(along, f64::MIN_POSITIVE).filter(|unit| unit.iter().all(|x| x.is_finite()));
-        let direction = unit.ok_or(TrackError::Direction { value })?;
+        // Of length 1 to 2 unless it is zero or not finite: the square of a large number would be infinite, and the direction zero.
+        let direction = UnitVector3::try_new(along / along.amax(), 0.5).ok_or(TrackError::Direction { value })?;
         let check = |what, value, is_sound, must| match is_sound {
             true => Ok(()),
             false => Err(TrackError::Number { what, value, must }),

@@ -1,11 +1,12 @@
 //! An arm on a linear track: kinematics and scene against the same arm put elsewhere by hand, numbers that cannot be, and programs.
 #![cfg(feature = "serde")] // the cell is read from a file of the examples
 
+use crate::common::programs::{Files, written_files};
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Translation3, UnitVector3, Vector3};
 use curvlay_kinematics::print_program::{PrintKnot, TargetMotion, TargetOptions, print_targets};
 use curvlay_kinematics::program::{
-    ExternalAxes, Goal, KrlOptions, Move, RapidOptions, Step, TpOptions, UrScriptOptions, WriteError, read_krl,
-    read_rapid, read_tp, write_krl, write_rapid, write_tp, write_urscript,
+    CsvReader, ExternalAxes, Goal, KrlOptions, Move, ProgramLimits, RapidOptions, Step, TpOptions, UrScriptOptions,
+    WriteError, read_krl, read_rapid, read_tp, write_csv_on_track, write_krl, write_rapid, write_tp, write_urscript,
 };
 use curvlay_kinematics::scene::{Body, Mount, Posture, Scene, SceneError, SceneModel, Shape, Sweep, links};
 use curvlay_kinematics::workcell::{
@@ -14,9 +15,7 @@ use curvlay_kinematics::workcell::{
 };
 use curvlay_kinematics::{Arm, Track, TrackError, TrackModel, Waypoint, robots};
 use proptest::prelude::*;
-use std::cell::RefCell;
-use std::collections::BTreeMap;
-use std::rc::Rc;
+use std::io::Cursor;
 
 const FILE: &str = include_str!("../../../examples/cells/irb120-track.json");
 
@@ -309,6 +308,9 @@ fn numbers_that_make_no_track_are_named() {
         jerk_mm_s3: 1.0,
     };
     assert!(matches!(Track::new(&model, 1.0), Err(TrackError::Direction { .. })));
+    // Bug: its length was infinite, and the base did not move at all.
+    let huge = Track::new(&TrackModel { direction: [0.0, 1e200, 0.0], ..model }, 1.0).unwrap();
+    assert!((huge.rate() - Vector3::y()).norm() < 1e-12, "{}", huge.rate());
     let model = TrackModel { direction: [0.0, 1.0, 0.0], ..model };
     assert!(matches!(Track::new(&model, f64::NAN), Err(TrackError::Number { what: "reach_mm", .. })));
     // However long, never a turn.
@@ -316,35 +318,8 @@ fn numbers_that_make_no_track_are_named() {
     assert!(long.limits().upper[0] - long.limits().lower[0] <= 3.0 + 1e-12);
 }
 
-/// Files by name, in memory.
-#[derive(Clone, Default)]
-struct Files(Rc<RefCell<BTreeMap<String, Vec<u8>>>>);
-
-struct Out(Files, String);
-
-impl std::io::Write for Out {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.0.borrow_mut().entry(self.1.clone()).or_default().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Files {
-    fn create(&self, name: &str) -> std::io::Result<Out> {
-        Ok(Out(self.clone(), name.to_owned()))
-    }
-
-    fn open(&self, name: &str) -> std::io::Result<std::io::Cursor<Vec<u8>>> {
-        Ok(std::io::Cursor::new(self.0.borrow()[name].clone()))
-    }
-
-    fn all(&self) -> String {
-        self.0.borrow().values().map(|file| String::from_utf8_lossy(file).into_owned()).collect()
-    }
+fn all(files: &Files) -> String {
+    files.values().map(String::as_str).collect()
 }
 
 /// A line of 300 mm along the track, at 50 mm/s.
@@ -397,44 +372,46 @@ fn programs_have_the_track_in_millimetres() {
     };
     let equipment = cell.equipment();
 
-    let files = Files::default();
     let options = RapidOptions { name: "print".into(), ..RapidOptions::of_workcell(equipment) };
-    write_rapid(steps.clone(), &options, |name| files.create(name)).unwrap();
-    let text = files.all();
+    let (files, _) = written_files(|open| write_rapid(steps.clone(), &options, open)).unwrap();
+    let text = all(&files);
     assert!(text.contains("[580,9E9,9E9,9E9,9E9,9E9]") || text.contains("[580,9E+09"), "{text}");
-    let read: Vec<Step> =
-        read_rapid(files.open("print.mod").unwrap(), |name| files.open(name)).unwrap().map(Result::unwrap).collect();
-    near(&read);
+    let file = |name: &str| Cursor::new(files[name].as_str());
+    near(&read_rapid(file("print.mod"), |name| Ok(file(name))).unwrap().map(Result::unwrap).collect::<Vec<_>>());
 
-    let files = Files::default();
     let options = KrlOptions { name: "print".into(), ..KrlOptions::of_workcell(equipment) };
-    write_krl(steps.clone(), &options, |name| files.create(name)).unwrap();
-    assert!(files.all().contains(",E1 620") && !files.all().contains(",E2 "), "{}", files.all());
-    let (data, main) = (files.open("print.dat").unwrap(), files.open("print.src").unwrap());
-    near(&read_krl(data, main, |name| files.open(name)).unwrap().map(Result::unwrap).collect::<Vec<_>>());
+    let (files, _) = written_files(|open| write_krl(steps.clone(), &options, open)).unwrap();
+    let text = all(&files);
+    assert!(text.contains(",E1 620") && !text.contains(",E2 "), "{text}");
+    let file = |name: &str| Cursor::new(files[name].as_str());
+    let read = read_krl(file("print.dat"), file("print.src"), |name| Ok(file(name))).unwrap();
+    near(&read.map(Result::unwrap).collect::<Vec<_>>());
 
-    let files = Files::default();
     let options = TpOptions { name: "PRINT".into(), ..TpOptions::of_workcell(equipment) };
     assert!(options.track);
-    write_tp(steps.clone(), &options, |name| files.create(name)).unwrap();
-    let text = files.all();
+    let (files, _) = written_files(|open| write_tp(steps.clone(), &options, open)).unwrap();
+    let text = all(&files);
     assert!(text.contains("\tE1= 620 mm\n};") && !text.contains("GP2"), "{text}");
     assert!(text.contains("DEFAULT_GROUP\t= 1,*,*,*,*;") && !text.contains("COORD"), "{text}");
-    near(
-        &read_tp(files.open("PRINT.ls").unwrap(), |name| files.open(name))
-            .unwrap()
-            .map(Result::unwrap)
-            .collect::<Vec<_>>(),
-    );
-    // A table is none of group 1.
+    let file = |name: &str| Cursor::new(files[name].as_str());
+    near(&read_tp(file("PRINT.ls"), |name| Ok(file(name))).unwrap().map(Result::unwrap).collect::<Vec<_>>());
+    // Group 1 has no table.
     let table = Move {
         goal: Goal::Joints([0.0; 6]),
         table: Some(ExternalAxes::from([0.1, 0.2])),
         speed: Default::default(),
         zone: curvlay_kinematics::program::Zone::Stop,
     };
-    let refused = write_tp([Step::Move(table)], &options, |name| files.create(name)).unwrap_err();
+    let refused = written_files(|open| write_tp([Step::Move(table)], &options, open)).unwrap_err();
     assert!(refused.to_string().contains("external axes other than a track"), "{refused}");
+
+    let mut csv = Vec::new();
+    write_csv_on_track(steps.clone(), &ProgramLimits::default(), &mut csv).unwrap();
+    let text = String::from_utf8(csv).unwrap();
+    near(&CsvReader::new(text.as_bytes()).unwrap().collect::<Result<Vec<_>, _>>().unwrap());
+    // Bug: a turn without a track was read as an axis.
+    let turned = text.replacen(",580,,", ",,580,", 1);
+    assert!(turned != text && CsvReader::new(turned.as_bytes()).unwrap().next().unwrap().is_err());
 
     let options = UrScriptOptions { name: "print".into(), ..UrScriptOptions::default() };
     let refused = write_urscript(steps, &options, &mut Vec::new()).unwrap_err();
