@@ -104,24 +104,22 @@ impl Equipment {
         Ok((equipment, table))
     }
 
-    /// Refuses a solid that stand or carriage of a track touch wherever the track is: it is what they run on.
+    /// Refuses a solid that the stand or the carriage of a track touches in the middle and at both ends of the range: it is what they run on.
     fn check_carriage(&self) -> Result<(), WorkcellError> {
-        if self.track.is_none() {
-            return Ok(());
-        }
+        let Some(track) = self.track else { return Ok(()) };
+        let [low, high] = [track.limits().lower[0], track.limits().upper[0]];
         let stands = self.bodies.len() - self.model.solids.len();
         for (index, solid) in self.model.solids.iter().enumerate().filter(|(_, solid)| solid.mount == MountModel::Base)
         {
             let carried = self.bodies.iter().filter(|body| body.mount == Mount::Base);
             let bodies = carried.chain([&self.bodies[stands + index]]).cloned().collect();
             let scene =
-                Scene::new(SceneModel { bodies, track: self.track, margin: RUNS_ON_MM, ..SceneModel::of(self.arm) })?;
+                Scene::new(SceneModel { bodies, track: Some(track), margin: RUNS_ON_MM, ..SceneModel::of(self.arm) })?;
             let touches = |place: f64| {
                 let posture = Posture { joints: [0.0; 6], table: [place, 0.0] };
                 matches!(scene.touching(&posture), Ok(Some(_)))
             };
-            let ends = self.track.map_or([0.0; 2], |track| [track.limits().lower[0], track.limits().upper[0]]);
-            if [ends[0], 0.0, ends[1]].into_iter().all(touches) {
+            if [low, 0.0, high].into_iter().all(touches) {
                 let what = format!(
                     "stand or carriage of the track touch `{}` wherever the track is; mount what they run on at `rail`",
                     solid.name
