@@ -87,7 +87,6 @@ fn filled(options: &UrStreamOptions) -> String {
     let mut end = Text::default();
     script.extruder.write_end(&mut end);
     let pairs: [(&str, String); 31] = [
-        ("@REMARK@", remark),
         ("@HEAD@", head(script)),
         ("@RING@", lists),
         ("@SPEED_0@", speed_0),
@@ -118,6 +117,8 @@ fn filled(options: &UrStreamOptions) -> String {
         ("@PERIOD@", number(options.rate.seconds())),
         ("@LOOKAHEAD@", number(script.lookahead_s)),
         ("@GAIN@", number(script.gain)),
+        // At last: it may contain one of these words.
+        ("@REMARK@", remark),
     ];
     let mut out = TEMPLATE.to_owned();
     for (word, value) in &pairs {
