@@ -2,31 +2,22 @@
 //! points of its edges.
 #![cfg(feature = "serde")] // the cells are read from the files of the examples
 
+use crate::common::cells::{over_table, ur3};
 use curvlay_kinematics::Waypoint;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, Translation3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::{Body, Scene, SceneError, SceneModel, Shape, Sweep};
 use curvlay_kinematics::workcell::{
-    AnyWorkcell, ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, HOT_END, NOZZLE, PART, PLATE, PartCells,
+    ClearanceLevel, GrowingError, GrowingOptions, GrowingScene, HOT_END, NOZZLE, PART, PLATE, PartCells,
     SixAxisWorkcell, Workcell,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
-const UR3: &str = include_str!("../../../examples/cells/ur3.json");
-const IRB1200: &str = include_str!("../../../examples/cells/irb1200-table.json");
-
 /// 70 cells in x: rows of two words. Every second cell of the upper half is missing.
 const DIMS: [u32; 3] = [70, 6, 4];
 const PLATE_MM: f64 = 150.0;
 const MARGIN_MM: f64 = 2.0;
-
-fn ur3() -> SixAxisWorkcell {
-    match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
-        AnyWorkcell::Six(cell) => cell,
-        _ => panic!("eight axes"),
-    }
-}
 
 /// The cells of the part by layer, and all of them as rows.
 fn part_cells() -> (Vec<Vec<u32>>, Vec<u64>) {
@@ -202,7 +193,7 @@ fn a_mould_is_there_from_the_start() {
 
 #[test]
 fn a_table_moves_the_indicator() {
-    let AnyWorkcell::Eight(cell) = AnyWorkcell::from_json(IRB1200.as_bytes()).unwrap() else { panic!("six axes") };
+    let cell = over_table();
     let (layers, rows) = part_cells();
     // Links above a part that lies on the table.
     let options = GrowingOptions { near_mm: 1e3, ..GrowingOptions::default() };

@@ -144,7 +144,7 @@ mod of_workcells {
     fn six(model: WorkcellModel) -> SixAxisWorkcell {
         match AnyWorkcell::new(model).unwrap() {
             AnyWorkcell::Six(cell) => cell,
-            _ => panic!("eight axes"),
+            _ => panic!("not six axes"),
         }
     }
 

@@ -232,7 +232,7 @@ fn ur3() -> SixAxisWorkcell {
     };
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Six(cell) => cell,
-        _ => panic!("eight axes"),
+        _ => panic!("not six axes"),
     }
 }
 
@@ -252,7 +252,7 @@ fn irb1200() -> EightAxisWorkcell {
     });
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
-        _ => panic!("six axes"),
+        _ => panic!("not eight axes"),
     }
 }
 

@@ -1,6 +1,7 @@
 //! A roller in the place of the nozzle: its bodies, and what they may touch.
 #![cfg(feature = "serde")] // the cells are read from the files of the examples
 
+use crate::common::cells::ur3;
 use curvlay_kinematics::nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::scene::Shape;
 use curvlay_kinematics::workcell::{
@@ -10,13 +11,6 @@ use curvlay_kinematics::workcell::{
 use proptest::prelude::*;
 
 const UR3: &str = include_str!("../../../examples/cells/ur3.json");
-
-fn cell() -> SixAxisWorkcell {
-    match AnyWorkcell::from_json(UR3.as_bytes()).unwrap() {
-        AnyWorkcell::Six(cell) => cell,
-        _ => panic!("it has a table"),
-    }
-}
 
 /// The points of a roller in the nozzle frame.
 fn points(cell: &SixAxisWorkcell) -> Vec<Point3<f64>> {
@@ -32,7 +26,7 @@ fn points(cell: &SixAxisWorkcell) -> Vec<Point3<f64>> {
 fn it_lies_across_its_heading_and_touches_at_the_tip() {
     let roller = RollerModel { diameter_mm: 30.0, width_mm: 8.0, ..RollerModel::default() };
     for heading in [0.0, 0.7, -2.0f64] {
-        let with_roller = cell().with_roller(roller, heading).unwrap();
+        let with_roller = ur3().with_roller(roller, heading).unwrap();
         let along = Vector3::new(heading.cos(), heading.sin(), 0.0);
         let across = Vector3::z().cross(&along);
         for point in points(&with_roller) {
@@ -42,9 +36,9 @@ fn it_lies_across_its_heading_and_touches_at_the_tip() {
             assert!((15.0 - 1e-9..15.0 * 1.036).contains(&out), "{out}");
         }
         // Reach and frames are those of the nozzle.
-        assert_eq!(with_roller.equipment().nozzle_frame(), cell().equipment().nozzle_frame());
+        assert_eq!(with_roller.equipment().nozzle_frame(), ur3().equipment().nozzle_frame());
     }
-    assert!(cell().equipment().roller().is_none());
+    assert!(ur3().equipment().roller().is_none());
 }
 
 #[test]
@@ -61,8 +55,8 @@ fn a_file_may_have_it() {
         let error = AnyWorkcell::from_json(text.replace(from, to).as_bytes()).unwrap_err().to_string();
         assert!(error.contains(reported), "{error}");
     }
-    assert!(cell().with_roller(RollerModel { block_diameter_mm: f64::NAN, ..RollerModel::default() }, 0.0).is_err());
-    assert!(cell().with_roller(RollerModel::default(), f64::INFINITY).is_err());
+    assert!(ur3().with_roller(RollerModel { block_diameter_mm: f64::NAN, ..RollerModel::default() }, 0.0).is_err());
+    assert!(ur3().with_roller(RollerModel::default(), f64::INFINITY).is_err());
 }
 
 /// The roller may press on the part; the block above it may not touch it, while that of a nozzle may.
@@ -96,11 +90,11 @@ fn its_block_keeps_off_the_part() {
     };
     let wide = RollerModel { block_diameter_mm: 30.0, ..RollerModel::default() };
     let is_block = |pair: &Option<[String; 2]>| pair.as_ref().is_some_and(|pair| pair.contains(&HOT_END.to_owned()));
-    assert!(touching(&cell()).iter().all(|pair| !is_block(pair)));
-    assert!(touching(&cell().with_roller(wide, 0.0).unwrap()).iter().any(is_block));
+    assert!(touching(&ur3()).iter().all(|pair| !is_block(pair)));
+    assert!(touching(&ur3().with_roller(wide, 0.0).unwrap()).iter().any(is_block));
     // A block that is slim enough passes beside the wall, 8 mm away, with the margin.
     let slim = RollerModel { block_diameter_mm: 6.0, ..wide };
-    assert!(touching(&cell().with_roller(slim, 0.0).unwrap()).iter().any(Option::is_none));
+    assert!(touching(&ur3().with_roller(slim, 0.0).unwrap()).iter().any(Option::is_none));
 }
 
 proptest! {
@@ -114,7 +108,7 @@ proptest! {
         prop_assume!(axis.norm() > 0.2);
         let axis = UnitVector3::new_normalize(axis);
         let roller = RollerModel { diameter_mm: diameter, width_mm: width, block_diameter_mm: 25.0, block_top_mm: 61.0, mount_deg: None };
-        let with_roller = cell().with_roller(roller, 0.0).unwrap();
+        let with_roller = ur3().with_roller(roller, 0.0).unwrap();
         let tip = Point3::new(3.0, -4.0, z);
         let said = with_roller.equipment().depth_in_plate(&tip, &axis).map_or(0.0, |contact| contact.depth_mm);
         let side = axis.cross(&Vector3::new(0.31, 0.95, -0.1)).normalize();

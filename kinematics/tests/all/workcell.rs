@@ -24,14 +24,14 @@ fn model(text: &str) -> WorkcellModel {
 fn six(model: WorkcellModel) -> SixAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Six(cell) => cell,
-        _ => panic!("eight axes"),
+        _ => panic!("not six axes"),
     }
 }
 
 fn eight(model: WorkcellModel) -> EightAxisWorkcell {
     match AnyWorkcell::new(model).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
-        _ => panic!("six axes"),
+        _ => panic!("not eight axes"),
     }
 }
 

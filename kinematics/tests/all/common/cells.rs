@@ -5,7 +5,7 @@ use curvlay_kinematics::workcell::{AnyWorkcell, EightAxisWorkcell, SixAxisWorkce
 fn six(file: &str) -> SixAxisWorkcell {
     match AnyWorkcell::from_json(file.as_bytes()).unwrap() {
         AnyWorkcell::Six(cell) => cell,
-        _ => panic!("eight axes"),
+        _ => panic!("not six axes"),
     }
 }
 
@@ -23,6 +23,6 @@ pub fn ur10() -> SixAxisWorkcell {
 pub fn over_table() -> EightAxisWorkcell {
     match AnyWorkcell::from_json(include_bytes!("../../../../examples/cells/irb1200-table.json").as_slice()).unwrap() {
         AnyWorkcell::Eight(cell) => cell,
-        AnyWorkcell::Six(_) | AnyWorkcell::Seven(_) => panic!("no table"),
+        _ => panic!("not eight axes"),
     }
 }

@@ -455,8 +455,9 @@ fn steps_become_ticks() {
     let to = |joints, zone| Step::Move(Move { goal: Goal::Joints(joints), table: None, speed: Speed::default(), zone });
     let servo = |joints| Step::Servo { joints, seconds: 0.002 };
     let options = UrStreamOptions::of_rate(ServoRate::Hz500, UrScriptOptions::default());
+    let first = [BEGIN, 0.006, -1.5, 0.004, 0.0999, 0.0];
     let steps = vec![
-        to(posture(1), Zone::Stop),
+        to(first, Zone::Stop),
         Step::FilamentSpeed(0.0),
         Step::Extruder(true),
         Step::FilamentSpeed(2.5),
@@ -465,9 +466,6 @@ fn steps_become_ticks() {
         servo([BEGIN + 0.005, 0.006, -1.5, 0.004, 0.0999, 0.0]),
         Step::FilamentSpeed(0.0),
     ];
-    let first = [BEGIN, 0.006, -1.5, 0.004, 0.0999, 0.0];
-    let mut steps = steps;
-    steps[0] = to(first, Zone::Stop);
     let found: Vec<UrTick> = UrTicks::new(steps.into_iter(), &options).collect::<Result<_, _>>().unwrap();
     assert_eq!(found.iter().map(|tick| tick.filament_mm_s).collect::<Vec<_>>(), [None, Some(2.5), None]);
     assert_eq!(found.iter().map(|tick| tick.move_rad_s).collect::<Vec<_>>(), [Some(1.0), None, None]);
