@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Point3, Translation3};
 pub struct Posture {
     /// The arm's joints.
     pub joints: [f64; 6],
-    /// Tilt and turn of a positioner, or the joint of a [`Track`](crate::Track) and 0; of no account without either.
+    /// Tilt and turn of a positioner, or the joint of a [`Track`](crate::Track) and 0; ignored without either.
     pub table: [f64; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What programs of a workcell are told of its controller, as it stands in the file.
+//! The controller of a workcell, as in the file.
 
 /// Settings of the programs of a workcell: [`RapidOptions::of_workcell`](crate::program::RapidOptions::of_workcell),
 /// [`UrScriptOptions::of_workcell`](crate::program::UrScriptOptions::of_workcell) and

@@ -533,7 +533,7 @@ pub struct SolidModel {
 pub enum MountModel {
     /// The base of the arm, which is the world. On a track that is where the base is at [`TrackPart::zero_mm`]: it stands still.
     Base,
-    /// What the track carries along, beside the arm.
+    /// The carriage of a track, which travels with the arm.
     Carriage,
     /// The ground as [`MountModel::Base`], of something that the carriage of a track runs on or next to, such as its rail or the floor: it is not compared with carriage and stand.
     Rail,

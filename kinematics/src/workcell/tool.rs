@@ -1,4 +1,4 @@
-//! What fixes the tool angle where a table or a track is what is free.
+//! What fixes the tool angle where the free parameters are those of a table or a track.
 
 use crate::arm::{ANGLE_TOLERANCE, Arm, POSITION_TOLERANCE};
 use nalgebra::{Isometry3, Vector3};

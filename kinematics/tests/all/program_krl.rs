@@ -393,7 +393,7 @@ fn errors_name_the_place() {
     assert!(error.contains("`A_002.src`"), "{error}");
 }
 
-/// Bug: moves by joints beyond 1 to 100 percent, and turning faster than 400 degrees a second, got another speed without a word.
+/// Bug: moves by joints beyond 1 to 100 percent, and turning faster than 400 degrees a second, got another speed and were not counted.
 #[test]
 fn speeds_that_the_controller_does_not_take_are_counted() {
     let options = KrlOptions::default();

@@ -311,7 +311,7 @@ fn errors_name_the_place() {
     }
 }
 
-/// Bug: moves by joints beyond 1 to 100 percent, and lines slower than the digits that are written, got another speed without a word.
+/// Bug: moves by joints beyond 1 to 100 percent, and lines slower than the digits that are written, got another speed and were not counted.
 #[test]
 fn speeds_that_the_controller_does_not_take_are_counted() {
     let options = TpOptions::default();

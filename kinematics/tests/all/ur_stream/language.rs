@@ -1,4 +1,4 @@
-//! A reader of URScript, as far as programs of streams go: text to statements. It knows the language by its manual alone.
+//! A reader of the URScript that programs of streams use: text to statements. It follows the manual alone.
 
 use std::iter::Peekable;
 use std::vec::IntoIter;

@@ -32,7 +32,7 @@
 //!
 //! | state | |
 //! |---|---|
-//! | 0 | the robot stands: its ring is not filled yet, or nobody is connected |
+//! | 0 | the robot stands: its ring is not filled yet, or no sender is connected |
 //! | 1 | it moves |
 //! | 2 | all ticks are run; the program ends |
 //! | 3 | it was stopped by the sender; the program ends |
@@ -126,7 +126,7 @@ pub enum UrStreamError {
     /// No ticks, or more of them than numbers.
     #[error("the print has {ticks} ticks; a stream has from 1 to {MAX_TICKS}")]
     Count {
-        /// How many it has, as far as they were counted.
+        /// How many it has; counting stops behind the greatest number.
         ticks: u64,
     },
     /// Text that is no frame.

@@ -1,4 +1,4 @@
-//! What the robot's side and the sender can be told.
+//! Options of the robot's side and of the sender.
 
 use crate::program::urscript::UrScriptOptions;
 use crate::program::urscript::write::tighten;

@@ -309,6 +309,6 @@ impl<I: Iterator<Item = Result<UrTick, UrStreamError>>> UrStreamSender<I> {
     }
 }
 
-/// Shortest and longest time that an option may say: a network is flooded below, nobody waits for longer.
+/// Shortest and longest time of an option: a shorter one floods the network, a longer one is no use to an operator.
 const MIN_TIME: Duration = Duration::from_millis(1);
 const MAX_TIME: Duration = Duration::from_secs(3600);
