@@ -74,6 +74,7 @@ mod links;
 mod model;
 mod seven;
 mod six;
+mod solids;
 mod tool;
 #[cfg(feature = "urdf")]
 mod urdf;
