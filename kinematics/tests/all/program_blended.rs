@@ -426,6 +426,18 @@ fn signals_come_earlier_by_the_lag() {
     }
 }
 
+/// Bug: a lag of NaN was one of half a second.
+#[test]
+fn a_lag_that_is_not_positive_is_no_lag() {
+    let cell = ur10();
+    let steps = |lag_s: f64| -> Vec<Step> {
+        print_blended(&cell, down_along_off(), BlendOptions { lag_s, ..BlendOptions::default() }).collect()
+    };
+    for lag_s in [f64::NAN, -1.0] {
+        assert_eq!(steps(lag_s), steps(0.0), "{lag_s}");
+    }
+}
+
 /// Bug: a segment with a posture that has no pose was left out and not counted.
 #[test]
 fn what_has_no_pose_is_counted() {

@@ -191,6 +191,21 @@ impl Run {
         Ok(())
     }
 
+    /// Runs so many ticks, then the network is silent for so many milliseconds.
+    fn fall_silent(&mut self, ticks: u32, silent_ms: u32) {
+        self.run_ticks(ticks);
+        self.silent_until = self.now + silent_ms;
+        while self.now < self.silent_until {
+            self.step().unwrap();
+        }
+    }
+
+    fn run_ticks(&mut self, ticks: u32) {
+        while self.sender.progress().run < ticks {
+            self.step().unwrap();
+        }
+    }
+
     fn finish(&mut self) -> Result<(), UrStreamError> {
         while !self.machine.world().over {
             self.step()?;
@@ -331,13 +346,7 @@ proptest! {
 #[test]
 fn silence_is_a_stop_on_the_path() {
     let mut run = Run::new(200, &robot(), Faults::default(), 3);
-    while run.sender.progress().run < 80 {
-        run.step().unwrap();
-    }
-    run.silent_until = run.now + 2000;
-    while run.now < run.silent_until {
-        run.step().unwrap();
-    }
+    run.fall_silent(80, 2000);
     let rest = run.way();
     let stood = rest.last().copied().unwrap();
     // The ring holds 30 ticks.
@@ -357,13 +366,7 @@ fn silence_is_a_stop_on_the_path() {
 #[test]
 fn an_arm_that_was_moved_halts() {
     let mut run = Run::new(200, &robot(), Faults::default(), 4);
-    while run.sender.progress().run < 100 {
-        run.step().unwrap();
-    }
-    run.silent_until = run.now + 1500;
-    while run.now < run.silent_until {
-        run.step().unwrap();
-    }
+    run.fall_silent(100, 1500);
     let run_then = run.machine.world().number("stream_run") as u32;
     run.machine.world().joints[3] += 0.021;
     let error = run.finish().unwrap_err();
@@ -393,9 +396,7 @@ fn a_jump_halts_the_robot() {
 #[test]
 fn a_second_sender_goes_on_where_the_robot_is() {
     let mut run = Run::new(200, &robot(), Faults::default(), 6);
-    while run.sender.progress().run < 90 {
-        run.step().unwrap();
-    }
+    run.run_ticks(90);
     run.cut();
     let other: Vec<_> = ticks(201).into_iter().map(Ok).collect();
     let job = UrStreamJob::of(other.clone()).unwrap();

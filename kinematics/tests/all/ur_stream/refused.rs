@@ -193,5 +193,8 @@ fn options_are_checked() {
     // Started by itself where it is loaded by a node, and by the controller where it is sent to a port.
     let starts = UrStreamOptions { script: UrScriptOptions { starts: true, ..good.script.clone() }, ..good.clone() };
     assert!(script(&starts).ends_with("\nend\ncurvlay()\n") && script(&good).ends_with("\nend\n"));
+    let remark = Some("@END@ stays".to_owned());
+    let remarked = UrStreamOptions { script: UrScriptOptions { remark, ..good.script.clone() }, ..good.clone() };
+    assert!(script(&remarked).contains("\n  # @END@ stays\n"));
     assert!(!script(&good).contains('@') && script(&good).is_ascii());
 }
