@@ -159,7 +159,9 @@ fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut 
         let speed_of = |filament_mm: f64| filament_mm.max(0.0) * share;
         // A blend takes no stop of the filament: where all of it has been asked for, a little still flows.
         let least = speed_of(to.filament_mm - from.filament_mm).min(lag::MIN_FED_MM_S);
-        let filament = speed_of(to.due_mm - from.due_mm).max(least);
+        let due = speed_of(to.due_mm - from.due_mm);
+        // `max` would drop the NaN of a move that takes no time, which the writer refuses.
+        let filament = if due < least { least } else { due };
         if fed.is_none_or(|fed| (filament - fed).abs() > options.same_speed * fed) {
             steps.push(Step::FilamentSpeed(filament));
             fed = Some(filament);
