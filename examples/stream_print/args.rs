@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "stream_print")]
 pub struct Args {
-    /// Folder of a print that was planned with `curved_layers --stage motion --program urscript`: print_001.script ... , programs.csv, trajectory.csv
+    /// Folder of a print that was planned with `curved_layers --stage motion --program urscript`: print_001.script ..., programs.csv, trajectory.csv, workcell.json
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// Address of this computer, as the robot sees it: the robot's program connects to it
