@@ -117,7 +117,7 @@ fn a_target_that_is_off_is_caught_with_its_module() {
     });
     tp("tp-leaning", &cell, leaning);
     let summary = replayed("tp-leaning", &["--workcell", "LR Mate 200iD"]);
-    assert!(has(&summary, "the nozzle leans otherwise than planned: 11.4"), "{:?}", failed(&summary));
+    assert!(has(&summary, "the nozzle direction differs from the plan: 11.4"), "{:?}", failed(&summary));
 }
 
 /// A workcell without a table does not move one, whatever the program says.
