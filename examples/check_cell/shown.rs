@@ -1,7 +1,7 @@
 //! The postures as a pendant shows them.
 
 use crate::postures::Posture;
-use curvlay_kinematics::Track;
+use curvlay_examples::motion::turning_joints;
 use curvlay_kinematics::nalgebra::Isometry3;
 use curvlay_kinematics::robots::Maker;
 use curvlay_kinematics::workcell::{AnyWorkcell, Equipment, Held, tool_frame};
@@ -38,20 +38,19 @@ pub fn print(cell: &AnyWorkcell, postures: &[Posture]) {
             println!("nozzle, in the base: {}", shown(&tool_frame(&equipment.nozzle_frame().1), maker));
         }
     }
-    postures.iter().for_each(|posture| of(posture, maker, equipment.track()));
+    postures.iter().for_each(|posture| of(posture, maker, equipment));
 }
 
-fn of(posture: &Posture, maker: Maker, track: Option<&Track>) {
+fn of(posture: &Posture, maker: Maker, equipment: &Equipment) {
     println!("\n{}", posture.title);
     let Some(joints) = &posture.joints else { return };
-    let turning = joints.len() - usize::from(track.is_some());
-    let names: Vec<String> = joints[..turning]
+    let names: Vec<String> = joints[..turning_joints(equipment, joints.len())]
         .iter()
         .enumerate()
         .map(|(k, angle)| format!("{} {}", joint(maker, k), fixed(angle.to_degrees(), 3)))
         .collect();
     println!("  joints, deg: {}", names.join("  "));
-    if let Some((track, place)) = track.zip(joints.last()) {
+    if let Some((track, place)) = equipment.track().zip(joints.last()) {
         println!("  track, mm: {}", fixed(track.mm(*place), 3));
     }
     println!("  flange in base: {}", shown(&posture.flange, maker));

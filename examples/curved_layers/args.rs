@@ -94,9 +94,6 @@ pub struct Args {
     /// Takes the paths of runs with --layers, which together have all layers, instead of filling the layers
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = CELLS)]
     pub merge: Vec<PathBuf>,
-    /// What `--machine` has taken the place of.
-    #[arg(long, hide = true, help_heading = settings::FILES)]
-    pub rotary: bool,
     /// Also writes a program for the axes of a five-axis machine, whose file names the flavour (docs/formats/machines.md; five are in
     /// examples/machines)
     #[arg(long, value_name = "FILE", help_heading = settings::FILES)]

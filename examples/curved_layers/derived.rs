@@ -70,10 +70,6 @@ impl Args {
             Some(path) => failure(format!("{}: {error}", path.display())),
             None => failure(error),
         };
-        if self.rotary {
-            let why = "--rotary and its table are gone: use --machine FILE; examples/machines has five, open5x-table.json among them";
-            return Err(Failure::of_arguments(why));
-        }
         let Some(flavour) = &self.loaded_flavour else {
             return self.settings.check_templates().map_err(of_profile);
         };
@@ -89,10 +85,11 @@ impl Args {
     pub fn files(&self) -> impl Iterator<Item = Option<&Path>> {
         let one = [&self.resume, &self.profile, &self.motion.workcell, &self.machine];
         let guides = [&self.mould, &self.base, &self.directions];
+        let flavour = self.settings.flavour.as_deref().map(Path::new);
         one.into_iter()
             .chain(guides)
             .map(Option::as_deref)
-            .chain([self.mesh.path()])
+            .chain([self.mesh.path(), flavour])
             .chain(self.merge.iter().map(|path| Some(path.as_path())))
     }
 

@@ -42,7 +42,9 @@ impl Setup {
         if args.stage == Stage::Motion {
             args.motion.check_links(&cell)?;
         }
-        Ok(Setup { format: args.motion.format(&cell)?, nozzle: nozzle_of(cell.equipment())?, cell })
+        let format = args.motion.format(&cell)?;
+        args.motion.check_extruder(format)?;
+        Ok(Setup { format, nozzle: nozzle_of(cell.equipment())?, cell })
     }
 }
 

@@ -5,12 +5,14 @@
 
 use curvlay_examples::args::warn;
 use curvlay_examples::count::counted;
+use curvlay_examples::replies::Replies;
+pub use curvlay_examples::replies::{Clock, SystemClock};
 use curvlay_kinematics::program::link::{LinkError, LinkMessage, LinkOptions, LinkProgress, LinkSender};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, Write};
 use std::net::TcpStream;
 use std::sync::mpsc::{self, Receiver};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What someone wants while the robot prints.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,41 +53,8 @@ pub enum StreamError {
 /// Commands are looked for, and replies waited for, in steps of this.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Maximum length of a reply; more bytes without a line feed are not a reply.
-const LONGEST_REPLY: usize = 200;
-
 /// Highest and lowest nozzle that a command may ask for, in millimetres.
 pub const MAX_HEIGHT_MM: f64 = 50.0;
-
-/// The time, and waiting.
-pub trait Clock {
-    /// Time since any begin.
-    fn now(&self) -> Duration;
-    /// Returns after so long.
-    fn wait(&self, time: Duration);
-}
-
-/// That of the machine.
-pub struct SystemClock {
-    begin: Instant,
-}
-
-impl SystemClock {
-    /// It begins now.
-    pub fn start() -> Self {
-        SystemClock { begin: Instant::now() }
-    }
-}
-
-impl Clock for SystemClock {
-    fn now(&self) -> Duration {
-        self.begin.elapsed()
-    }
-
-    fn wait(&self, time: Duration) {
-        thread::sleep(time);
-    }
-}
 
 /// Streams messages until the controller has done the last one.
 ///
@@ -143,8 +112,7 @@ fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
     report: &mut impl FnMut(&LinkProgress),
 ) -> Result<bool, LinkError> {
     sender.connected()?;
-    let mut line = Vec::new();
-    let mut bytes = [0; 1024];
+    let mut replies = Replies::default();
     loop {
         for command in commands.try_iter() {
             match command {
@@ -161,23 +129,13 @@ fn converse<I: Iterator<Item = Result<LinkMessage, LinkError>>>(
         if sender.progress().over {
             return Ok(true);
         }
-        let read = match socket.read(&mut bytes) {
-            Ok(0) => return Ok(false),
-            Ok(read) => read,
-            Err(error)
-                if [ErrorKind::WouldBlock, ErrorKind::TimedOut, ErrorKind::Interrupted].contains(&error.kind()) =>
-            {
-                0
-            }
-            Err(_) => return Ok(false),
-        };
-        for &byte in &bytes[..read] {
-            line.push(byte);
-            if byte == b'\n' || line.len() > LONGEST_REPLY {
-                sender.receive(&String::from_utf8_lossy(&line), clock.now())?;
-                line.clear();
-                report(&sender.progress());
-            }
+        let is_there = replies.read(socket, |line| {
+            sender.receive(line, clock.now())?;
+            report(&sender.progress());
+            Ok::<(), LinkError>(())
+        })?;
+        if !is_there {
+            return Ok(false);
         }
     }
 }

@@ -115,7 +115,7 @@ pub struct AllowArgs {
     /// How far the tip may be off the plan, as a share of the width of the bead
     #[arg(long, value_name = "SHARE", default_value_t = 0.25, value_parser = above_zero, allow_negative_numbers = true)]
     pub allow_tip: f64,
-    /// By how many degrees the nozzle may lean otherwise than planned
+    /// Allowed angle between the nozzle and its planned direction, in degrees
     #[arg(long = "allow-tilt", value_name = "DEG", default_value_t = 5.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub allow_tilt_deg: f64,
     /// Share of the planned way whose corners the tip may leave out

@@ -8,21 +8,19 @@ use super::program::{AXES, Dialect, Files, Kind, Wanted, fitted};
 use curvlay_examples::args::Failure;
 use curvlay_examples::five_axis::FiveAxisPrinter;
 use curvlay_examples::input;
-use curvlay_examples::motion::workcell_model;
+use curvlay_examples::motion::{WORKCELL_FILE, workcell_model};
 use curvlay_examples::settings::named_flavour;
 use curvlay_examples::waypoints::fault;
 use curvlay_kinematics::workcell::WorkcellModel;
 use curvlay_toolpath::gcode::flavour::{Direction, Flavour};
 use std::path::Path;
 
-/// The workcells that we ship.
+/// The workcells that we ship and that can be replayed: no track.
 const CELLS: [&str; 3] = [
     include_str!("../cells/ur10.json"),
     include_str!("../cells/irb1200-table.json"),
     include_str!("../cells/ur3.json"),
 ];
-/// The workcell of a run, beside its programs.
-const WORKCELL: &str = "workcell.json";
 /// What stands for no flavour.
 const PLAIN: &str = "plain";
 
@@ -39,7 +37,7 @@ pub enum Reading {
 pub struct Chosen {
     /// The machine.
     pub machine: Machine,
-    /// Where it was taken from, if nobody named it.
+    /// Where it was taken from, if no option named it.
     pub by: Option<String>,
     /// Look-ahead time and gain of its streams.
     pub servo: [Option<f64>; 2],
@@ -47,11 +45,24 @@ pub struct Chosen {
     pub reading: Option<Reading>,
 }
 
-/// The flavour that is named; the outer option is whether any is.
-fn flavour(args: &Args) -> Result<Option<Option<Flavour>>, Failure> {
-    let Some(name) = args.flavour.as_deref() else { return Ok(None) };
+/// What `--flavour` names.
+pub enum Named {
+    /// It is not given.
+    Nothing,
+    /// Plain G-code.
+    Plain,
+    /// A flavour.
+    Flavour(Box<Flavour>),
+}
+
+/// What `--flavour` names.
+///
+/// # Errors
+/// A flavour that is not known, or a file that is none.
+pub fn named(args: &Args) -> Result<Named, Failure> {
+    let Some(name) = args.flavour.as_deref() else { return Ok(Named::Nothing) };
     if name == PLAIN {
-        return Ok(Some(None));
+        return Ok(Named::Plain);
     }
     let unknown = || {
         let known = Flavour::names().join(", ");
@@ -59,48 +70,48 @@ fn flavour(args: &Args) -> Result<Option<Option<Flavour>>, Failure> {
             "--flavour: `{name}` is no G-code flavour: known are {PLAIN}, {known}; or give a JSON file (name.json)"
         ))
     };
-    named_flavour(name, Path::new(""))?.map(|flavour| Some(Some(flavour))).ok_or_else(unknown)
+    let flavour = named_flavour(name, Path::new(""))?.ok_or_else(unknown)?;
+    Ok(Named::Flavour(Box::new(flavour)))
 }
 
 /// Which program of a folder is meant.
-///
-/// # Errors
-/// A flavour that is not known.
-pub fn wanted(args: &Args) -> Result<Wanted, Failure> {
-    let flavour = flavour(args)?;
-    Ok(match flavour {
-        Some(Some(flavour)) if matches!(flavour.direction, Direction::Vector { .. }) => Wanted::Vectors,
-        None if args.machine.is_none() => Wanted::Any,
+pub fn wanted(args: &Args, named: &Named) -> Wanted {
+    match named {
+        Named::Flavour(flavour) if matches!(flavour.direction, Direction::Vector { .. }) => Wanted::Vectors,
+        Named::Nothing if args.machine.is_none() => Wanted::Any,
         _ => Wanted::Axes,
-    })
+    }
 }
 
 /// The printer of a program in G-code.
 ///
 /// # Errors
 /// A [`Failure`] that names the file, or the arguments that do not go together.
-pub fn printer(args: &Args, files: &Files) -> Result<Chosen, Failure> {
+pub fn printer(args: &Args, files: &Files, named: Named) -> Result<Chosen, Failure> {
     let program = &files.paths[0];
     if args.workcell.is_some() {
         return Err(Failure::of_arguments("--workcell is for robot programs: G-code runs on a --machine"));
     }
-    let flavour = flavour(args)?;
     let (printer, of_machine) = match &args.machine {
         Some(path) => {
             let text = input::read(path, input::MAX_SETTINGS_BYTES)?;
             let printer = FiveAxis::from_json(&text).map_err(|what| fault(path, &what))?;
-            let of_machine = if flavour.is_none() { Some(FiveAxisPrinter::load(path)?.flavour) } else { None };
-            (printer, of_machine)
+            let is_open = matches!(named, Named::Nothing);
+            (printer, if is_open { Some(FiveAxisPrinter::load(path)?.flavour) } else { None })
         }
         None if program.file_name().is_some_and(|name| name == AXES) => {
             return Err(fault(program, &"is for a five-axis machine: name its file with --machine"));
         }
         None => (FiveAxis::table()?, None),
     };
-    let flavour = flavour.unwrap_or(of_machine).map(|flavour| fitted(&flavour, &printer));
+    let flavour = match named {
+        Named::Nothing => of_machine,
+        Named::Plain => None,
+        Named::Flavour(flavour) => Some(*flavour),
+    };
     let is_ngc = program.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ngc"));
     let reading = match flavour {
-        Some(flavour) => Reading::Flavour(Box::new(flavour)),
+        Some(flavour) => Reading::Flavour(Box::new(fitted(&flavour, &printer))),
         None => Reading::Plain(Dialect {
             letters: printer.letters.clone(),
             linear: printer.linear,
@@ -144,7 +155,7 @@ pub fn robot(args: &Args, kind: Kind, facts: &Facts, beside: &Path) -> Result<Ch
 
 /// The workcell of the run, or the one that we ship for such programs; and why.
 fn of_run(kind: Kind, facts: &Facts, beside: &Path) -> Result<(WorkcellModel, String), Failure> {
-    let written = beside.join(WORKCELL);
+    let written = beside.join(WORKCELL_FILE);
     if written.is_file() {
         return Ok((workcell_model(&written)?, format!("that of the run, {}", written.display())));
     }
@@ -171,7 +182,7 @@ fn of_run(kind: Kind, facts: &Facts, beside: &Path) -> Result<(WorkcellModel, St
     }
     if matches!(kind, Kind::Krl | Kind::Tp) {
         return Err(Failure::of_arguments(format!(
-            "for which robot the {} program is, nothing says: name its --workcell (a file, or an arm such as {})",
+            "nothing says for which robot the {} program is: name its --workcell (a file, or an arm such as {})",
             kind.name(),
             if kind == Kind::Krl { "`KR 6 R900-2`" } else { "`LR Mate 200iD`" }
         )));

@@ -251,7 +251,7 @@ impl Judged<'_> {
         };
         let place = self.at(&tip.tilt);
         self.findings
-            .explain(Severity::Failed, "the nozzle leans otherwise than planned", amount, place)
+            .explain(Severity::Failed, "the nozzle direction differs from the plan", amount, place)
             .cause(cause)
             .allow(accept("--allow-tilt", tip.tilt.value));
     }

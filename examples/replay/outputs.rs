@@ -104,7 +104,7 @@ fn tables(run: &Run) -> Vec<Table> {
             "0".to_owned(),
         ]);
         let tilts = format!("{:.2}, {:.2}", tip.tilt.value, tip.tilts.quantile(0.95));
-        whole.row(["nozzle leans otherwise deg, worst and 95 %".to_owned(), tilts, "0".to_owned()]);
+        whole.row(["nozzle direction off deg, worst and 95 %".to_owned(), tilts, "0".to_owned()]);
     }
     whole.row(["fastest tip mm/s".to_owned(), format!("{:.1}", run.court.max_tip_mm_s), "-".to_owned()]);
     let mut axes = Table::new(["axis", "speed", "of its limit", "acceleration", "of its limit", "jerk of its limit"]);
@@ -229,7 +229,7 @@ fn marks(run: &Run) -> Vec<Marks> {
     };
     if let Some(tip) = &court.tip {
         mark("tip off the planned path", &tip.worst, tip.worst.value > allow.allow_tip);
-        mark("nozzle leans otherwise than planned", &tip.tilt, tip.tilt.value > allow.allow_tilt_deg);
+        mark("nozzle direction differs from the plan", &tip.tilt, tip.tilt.value > allow.allow_tilt_deg);
         mark("extruder runs between paths", &tip.stray, tip.stray_mm > allow.allow_stray * tip.extruded_mm);
         mark(
             "bead thicker or thinner than planned",

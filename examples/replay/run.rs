@@ -62,8 +62,8 @@ pub fn execute(setup: &Setup, court: &mut Court, bars: &Bars) -> Result<Executed
             Kind::Gcode => gcode(setup, reader, number, &mut take).map_err(refused)?,
             Kind::UrScript => program.urscript(reader, number).map_err(refused)?,
             Kind::Csv => program.csv(reader, number, frames(setup)).map_err(refused)?,
-            Kind::Rapid => drop(program.rapid(reader, open, number).map_err(refused)?),
-            Kind::Tp => drop(program.tp(reader, open, number, frames(setup)).map_err(refused)?),
+            Kind::Rapid => program.rapid(reader, open, number).map_err(refused)?,
+            Kind::Tp => program.tp(reader, open, number, frames(setup)).map_err(refused)?,
             Kind::Krl => {
                 let data = path.with_extension("dat");
                 let data = BufReader::new(input::open(&data, input::MAX_DATA_BYTES)?);

@@ -1,7 +1,7 @@
 //! What is replayed: the program, the machine, the controller, the plan, and what the summary of the run beside them says.
 
 use super::args::Args;
-use super::chosen::{Chosen, Reading, printer, robot, wanted};
+use super::chosen::{Chosen, Reading, named, printer, robot, wanted};
 use super::controller::{ControllerModel, Maker};
 use super::facts::Facts;
 use super::judge::{Bead, Nozzle, Placement, Plan};
@@ -31,7 +31,7 @@ pub struct Setup {
     pub files: Files,
     /// The machine.
     pub machine: Machine,
-    /// Where it was taken from, if nobody named it.
+    /// Where it was taken from, if no option named it.
     pub machine_by: Option<String>,
     /// How G-code is read.
     pub reading: Option<Reading>,
@@ -59,13 +59,14 @@ impl Setup {
     /// # Errors
     /// A [`Failure`] that names the file.
     pub fn new(args: &Args) -> Result<Self, Failure> {
-        let files = find(&args.program, wanted(args)?)?;
+        let flavour = named(args)?;
+        let files = find(&args.program, wanted(args, &flavour))?;
         let is_folder = args.program[0].is_dir();
         let beside = if is_folder { &args.program[0] } else { args.program[0].parent().unwrap_or(Path::new(".")) };
         let facts = Facts::read(beside);
         let is_robot = files.kind != Kind::Gcode;
         let Chosen { machine, by: machine_by, servo, reading } =
-            if is_robot { robot(args, files.kind, &facts, beside)? } else { printer(args, &files)? };
+            if is_robot { robot(args, files.kind, &facts, beside)? } else { printer(args, &files, flavour)? };
         let maker = match files.kind {
             Kind::UrScript => Maker::Ur,
             Kind::Rapid | Kind::Csv => Maker::Abb,

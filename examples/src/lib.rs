@@ -20,6 +20,7 @@ mod outcome;
 pub mod output;
 pub mod plot;
 pub mod render;
+pub mod replies;
 pub mod report;
 mod run;
 pub mod settings;

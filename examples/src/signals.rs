@@ -40,9 +40,9 @@ pub(crate) fn briefly<T>(make_and_remove: impl FnOnce() -> T) -> T {
 static LEFT: AtomicBool = AtomicBool::new(false);
 static CAME: AtomicBool = AtomicBool::new(false);
 
-/// Leaves the first signal to the program from now on, or no longer: it asks [`came`] and comes to an end by itself. The second signal ends the process.
-pub fn leave(left: bool) {
-    LEFT.store(left, Ordering::SeqCst);
+/// Leaves the first signal to the program from now on: it asks [`came`] and comes to an end by itself. The second signal ends the process.
+pub fn leave() {
+    LEFT.store(true, Ordering::SeqCst);
 }
 
 /// Whether a signal has come that was left to the program.

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "stream_print")]
 pub struct Args {
-    /// Folder of a print that was planned with `curved_layers --stage motion --program urscript`: print_001.script ... , programs.csv, trajectory.csv
+    /// Folder of a print that was planned with `curved_layers --stage motion --program urscript`: print_001.script ..., programs.csv, trajectory.csv, workcell.json
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// Address of this computer, as the robot sees it: the robot's program connects to it
@@ -27,7 +27,7 @@ pub struct Args {
     /// Sends the robot's program to port 30002 of a robot, which must be in remote control
     #[arg(long, value_name = "IP:PORT|IP", value_parser = robot, conflicts_with = "dry_run")]
     pub robot: Option<SocketAddr>,
-    /// Streams to a built-in stand-in of a controller, in no time and without a socket, and prints what it did
+    /// Streams to a built-in model of a controller instead of a robot, and prints what it did
     #[arg(long)]
     pub dry_run: bool,
     /// Ticks that the robot holds: how long the network may be silent before it slows down [default: 0.6 s]

@@ -23,7 +23,7 @@ use curvlay_examples::motion::programs::full_scale;
 use curvlay_examples::signals;
 use curvlay_kinematics::program::UrScriptOptions;
 use curvlay_kinematics::program::ur_stream::{
-    UrFault, UrSenderOptions, UrStreamError, UrStreamJob, UrStreamOptions, UrStreamProgress, UrTick, write_ur_stream,
+    UrFault, UrSenderOptions, UrStreamError, UrStreamOptions, UrStreamProgress, UrTick, write_ur_stream,
 };
 use places::Places;
 use print::{Counted, Print};
@@ -43,7 +43,11 @@ fn main() -> ExitCode {
 
 /// Does what was asked for; what came of it, in a line.
 pub fn work(args: &Args, bars: &Bars) -> Result<String, Failure> {
-    let print = Print::open(&args.folder)?;
+    if args.host.is_loopback() && args.robot.is_some_and(|robot| !robot.ip().is_loopback()) {
+        let why = "the robot would connect to itself; give the address of this computer in the robot's network";
+        return Err(Failure::of_arguments(format!("--host {}: {why}", args.host)));
+    }
+    let print = Print::open(&args.folder, args.approach_deg_s.to_radians())?;
     let (options, counted) = prepared(args, &print, bars)?;
     let seconds = f64::from(counted.job.ticks) * print.rate.seconds();
     if let Some(path) = &args.write {
@@ -54,7 +58,6 @@ pub fn work(args: &Args, bars: &Bars) -> Result<String, Failure> {
     }
     let places = Places::of(&args.folder, &print, &counted);
     let (ticks, failed) = print.ticks(&options);
-    let ticks = slow_approach(ticks, args);
     let done = if args.dry_run {
         dry_run::dry_run((ticks, counted.job), &options, counted.first, bars).map(|found| found.to_string())
     } else {
@@ -98,26 +101,11 @@ fn prepared(args: &Args, print: &Print, bars: &Bars) -> Result<(UrStreamOptions,
         )));
     }
     write_ur_stream(&options, std::io::sink())?;
-    // The job is that of what is sent.
-    let (ticks, _) = print.ticks(&options);
-    let job = UrStreamJob::of(slow_approach(ticks, args))?;
-    Ok((options, Counted { job, ..counted }))
+    Ok((options, counted))
 }
 
 /// Faster filament is in no print.
 const MAX_SCALE_MM_S: f64 = 1000.0;
-
-/// Moves by joints, as slow as was asked for.
-fn slow_approach<E>(
-    ticks: impl Iterator<Item = Result<UrTick, E>>,
-    args: &Args,
-) -> impl Iterator<Item = Result<UrTick, E>> {
-    let most = args.approach_deg_s.to_radians();
-    ticks.map(move |tick| {
-        let slower = |tick: UrTick| UrTick { move_rad_s: tick.move_rad_s.map(|speed| speed.min(most)), ..tick };
-        tick.map(slower)
-    })
-}
 
 /// Streams to a robot that connects.
 fn live(
@@ -127,7 +115,7 @@ fn live(
     bars: &Bars,
 ) -> Result<String, StreamError> {
     let listener = TcpListener::bind((Ipv4Addr::UNSPECIFIED, args.port))?;
-    signals::leave(true);
+    signals::leave();
     if let Some(robot) = args.robot {
         start(robot, options)?;
     }

@@ -39,10 +39,10 @@ impl Places {
         }
     }
 
-    /// A tick in words, from 1: `print_002.script, step 310, layer 12, path 3 (print)`.
+    /// A tick in words, from 1: `print_002.script, tick 310 of it, layer 12, path 3 (print)`.
     pub fn name(&self, tick: u32) -> String {
         let file = self.ends.partition_point(|end| *end < tick).min(self.ends.len().saturating_sub(1));
-        let before = if file == 0 { 0 } else { self.ends[file - 1] };
+        let before = self.before(file);
         let step = tick.saturating_sub(before);
         let mut text = format!("{}, tick {step} of it", self.names.get(file).map_or("", String::as_str));
         // The first tick of a program is the move to its begin.
@@ -54,10 +54,14 @@ impl Places {
         text
     }
 
+    /// Ticks of the programs before one.
+    fn before(&self, file: usize) -> u32 {
+        file.checked_sub(1).map_or(0, |last| self.ends[last])
+    }
+
     /// When a program begins. Its ticks and the ends that they round are counted; the begin is that of the nearest motion.
     fn begins_s(&self, file: usize) -> f64 {
-        let ticks: u32 = (0..file).map(|k| self.ends[k] - if k == 0 { 0 } else { self.ends[k - 1] }).sum();
-        let about_s = f64::from(ticks.saturating_sub(2 * file as u32)) * self.period_s;
+        let about_s = f64::from(self.before(file).saturating_sub(2 * file as u32)) * self.period_s;
         let begins = self.motions.iter().map(|motion| motion.begins_s);
         begins.min_by(|a, b| (a - about_s).abs().total_cmp(&(b - about_s).abs())).unwrap_or(about_s)
     }

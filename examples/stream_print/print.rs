@@ -2,9 +2,10 @@
 
 use curvlay_examples::args::Failure;
 use curvlay_examples::input::{self, MAX_SETTINGS_BYTES};
+use curvlay_examples::motion::{WORKCELL_FILE, workcell_model, workcell_of};
 use curvlay_examples::output::is_numbered;
 use curvlay_kinematics::program::ur_stream::{UrStreamError, UrStreamJob, UrStreamOptions, UrTick, UrTicks};
-use curvlay_kinematics::program::{ServoRate, Step, UrScriptOptions, UrScriptReader};
+use curvlay_kinematics::program::{ProgramLimits, ServoRate, Step, UrScriptOptions, UrScriptReader};
 use std::cell::{Cell, RefCell};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
@@ -16,10 +17,12 @@ use std::rc::Rc;
 pub struct Print {
     /// Where they are.
     pub files: Vec<PathBuf>,
-    /// Frames and payload of the first one.
+    /// Frames and payload of the first one, limits of the arm.
     pub script: UrScriptOptions,
     /// Of their streams.
     pub rate: ServoRate,
+    /// Moves by joints are no faster than this, in rad/s.
+    pub max_move_rad_s: f64,
 }
 
 /// What a pass through the ticks has found.
@@ -29,18 +32,16 @@ pub struct Counted {
     pub job: UrStreamJob,
     /// The last tick of each program.
     pub ends: Vec<u32>,
-    /// The first and the last posture.
+    /// The first posture.
     pub first: [f64; 6],
     /// The fastest filament, in mm/s.
     pub filament_mm_s: f64,
 }
 
-/// The largest list of programs, in bytes.
-const MAX_LIST_BYTES: u64 = MAX_SETTINGS_BYTES;
-
 impl Print {
-    /// Finds the programs of a folder: those of its `programs.csv`, else all `print_NNN.script`.
-    pub fn open(folder: &Path) -> Result<Self, Failure> {
+    /// Finds the programs of a folder: those of its `programs.csv`, else all `print_NNN.script`. Moves by joints are as fast as they say, but no faster than
+    /// `max_move_rad_s`.
+    pub fn open(folder: &Path, max_move_rad_s: f64) -> Result<Self, Failure> {
         let files = listed(folder)?;
         let Some(first) = files.first() else {
             return Err(Failure::new(format!(
@@ -59,6 +60,7 @@ impl Print {
             work: *reader.work(),
             tool: *reader.tool(),
             payload: reader.payload().copied(),
+            limits: limits(folder)?,
             ..UrScriptOptions::default()
         };
         // Signals of the program are late by its look-ahead time.
@@ -80,7 +82,7 @@ impl Print {
         let rate = rate.ok_or_else(|| {
             refused(&"it has no `servoj` at 125 or 500 Hz: plan with --program urscript, not urscript-movep")
         })?;
-        Ok(Print { files, script, rate })
+        Ok(Print { files, script, rate, max_move_rad_s })
     }
 
     /// The steps of all programs.
@@ -95,7 +97,7 @@ impl Print {
         let mut ends = vec![0; self.files.len()];
         let mut counted = 0;
         let (mut first, mut filament_mm_s) = (None, 0.0f64);
-        let ticks = UrTicks::new(steps, options).inspect(|tick| {
+        let ticks = slowed(UrTicks::new(steps, options), self.max_move_rad_s).inspect(|tick| {
             if let Ok(tick) = tick {
                 counted += 1;
                 ends[at.get().saturating_sub(1)] = counted;
@@ -121,8 +123,28 @@ impl Print {
     ) -> (impl Iterator<Item = Result<UrTick, UrStreamError>> + use<>, Rc<RefCell<Option<Failure>>>) {
         let steps = self.steps();
         let failed = steps.failed.clone();
-        (UrTicks::new(steps, options), failed)
+        (slowed(UrTicks::new(steps, options), self.max_move_rad_s), failed)
     }
+}
+
+/// Ticks whose moves by joints are no faster than `most`, in rad/s.
+fn slowed(
+    ticks: impl Iterator<Item = Result<UrTick, UrStreamError>>,
+    most: f64,
+) -> impl Iterator<Item = Result<UrTick, UrStreamError>> {
+    ticks.map(move |tick| tick.map(|tick| UrTick { move_rad_s: tick.move_rad_s.map(|speed| speed.min(most)), ..tick }))
+}
+
+/// Limits of the arm of the run: its wrist may turn without end. Without the workcell of the run those that no arm of the maker goes beyond.
+fn limits(folder: &Path) -> Result<ProgramLimits, Failure> {
+    let file = folder.join(WORKCELL_FILE);
+    if !file.is_file() {
+        return Ok(UrScriptOptions::default().limits);
+    }
+    let mut model = workcell_model(&file)?;
+    // Their meshes may be elsewhere by now.
+    model.arm.bodies = None;
+    Ok(ProgramLimits::of_arm(workcell_of(model, Some(&file))?.equipment().arm()))
 }
 
 /// Look-ahead time and gain of the first `servoj` of a program.
@@ -142,7 +164,7 @@ fn listed(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let list = folder.join("programs.csv");
     let is_script = |name: &str| is_numbered(name, "print_", 3, ".script");
     if list.is_file() {
-        let text = input::read_text(&list, MAX_LIST_BYTES)?;
+        let text = input::read_text(&list, MAX_SETTINGS_BYTES)?;
         let names = text.lines().skip(1).filter_map(|line| line.split(',').next()).filter(|name| is_script(name));
         return Ok(names.map(|name| folder.join(name)).collect());
     }

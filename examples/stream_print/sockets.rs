@@ -1,12 +1,14 @@
 //! The sender's socket: the robot connects to it, again and again where the connection breaks. What is sent and what a reply means is decided in
 //! `curvlay_kinematics::program::ur_stream`.
 
+pub use curvlay_examples::replies::{Clock, SystemClock};
+use curvlay_examples::replies::{Replies, is_idle};
 use curvlay_kinematics::program::ur_stream::{
     UrSenderOptions, UrState, UrStreamError, UrStreamJob, UrStreamProgress, UrStreamSender, UrTick,
 };
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, Write};
 use std::net::{TcpListener, TcpStream};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Why a stream ended early.
 #[derive(Debug, thiserror::Error)]
@@ -30,40 +32,10 @@ pub enum StreamError {
     Stream(#[from] UrStreamError),
 }
 
-/// The time, and waiting.
-pub trait Clock {
-    /// Time since any begin.
-    fn now(&self) -> Duration;
-    /// Returns after so long.
-    fn wait(&self, time: Duration);
-}
-
-/// That of the machine.
-pub struct SystemClock(Instant);
-
-impl SystemClock {
-    /// It begins now.
-    pub fn start() -> Self {
-        SystemClock(Instant::now())
-    }
-}
-
-impl Clock for SystemClock {
-    fn now(&self) -> Duration {
-        self.0.elapsed()
-    }
-
-    fn wait(&self, time: Duration) {
-        std::thread::sleep(time);
-    }
-}
-
 /// Replies are waited for in steps of this.
 const POLL: Duration = Duration::from_millis(5);
 /// A socket that takes nothing for so long is dead.
 const WRITE: Duration = Duration::from_secs(2);
-/// Maximum length of a reply; more bytes without a line feed are none.
-const LONGEST_REPLY: usize = 200;
 
 /// Streams a print to the robot that connects.
 ///
@@ -117,10 +89,6 @@ pub fn stream(
     }
 }
 
-fn is_idle(error: &io::Error) -> bool {
-    [ErrorKind::WouldBlock, ErrorKind::TimedOut, ErrorKind::Interrupted].contains(&error.kind())
-}
-
 /// Uses one connection until it is gone, or all is over.
 fn converse<I: Iterator<Item = Result<UrTick, UrStreamError>>>(
     sender: &mut UrStreamSender<I>,
@@ -129,7 +97,7 @@ fn converse<I: Iterator<Item = Result<UrTick, UrStreamError>>>(
     stops: &impl Fn() -> bool,
     report: &mut impl FnMut(&UrStreamProgress),
 ) -> Result<(), UrStreamError> {
-    let (mut line, mut bytes) = (Vec::new(), [0; 4096]);
+    let mut replies = Replies::default();
     while sender.is_up(clock.now()) && !sender.progress().over {
         if stops() {
             sender.stop();
@@ -139,19 +107,13 @@ fn converse<I: Iterator<Item = Result<UrTick, UrStreamError>>>(
                 return Ok(());
             }
         }
-        let read = match socket.read(&mut bytes) {
-            Ok(0) => return Ok(()),
-            Ok(read) => read,
-            Err(error) if is_idle(&error) => 0,
-            Err(_) => return Ok(()),
-        };
-        for &byte in &bytes[..read] {
-            line.push(byte);
-            if byte == b'\n' || line.len() > LONGEST_REPLY {
-                sender.receive(&String::from_utf8_lossy(&line), clock.now())?;
-                line.clear();
-                report(&sender.progress());
-            }
+        let is_there = replies.read(socket, |line| {
+            sender.receive(line, clock.now())?;
+            report(&sender.progress());
+            Ok::<(), UrStreamError>(())
+        })?;
+        if !is_there {
+            return Ok(());
         }
     }
     Ok(())

@@ -1,5 +1,5 @@
-//! A controller that is not there: what the robot's side of a stream does, cycle by cycle, after the page of the protocol. It shares no code with the program that
-//! a controller runs; a cycle takes no time here.
+//! A stand-in for a controller: what the robot's side of a stream does, cycle by cycle, as docs/formats/robot-programs.md describes the protocol. It shares no code
+//! with the program that a controller runs; a cycle takes no time here.
 
 use curvlay_kinematics::program::ur_stream::{UrFault, UrFrame, UrReply, UrState, UrStreamOptions, UrTick};
 use std::collections::VecDeque;
@@ -17,8 +17,12 @@ pub struct Ran {
 #[derive(Debug)]
 pub struct StandIn {
     ring_size: usize,
+    /// Change of the share of full speed in a cycle.
     brake: f64,
-    limits: [f64; 3],
+    /// How far a joint may turn in one tick, be from where it should go on, and go in a move by joints.
+    max_step_rad: f64,
+    max_gap_rad: f64,
+    max_move_rad: f64,
     ring: VecDeque<UrTick>,
     reply: UrReply,
     total: u32,
@@ -26,12 +30,12 @@ pub struct StandIn {
     /// Share of full speed, and how far it is from the last tick to the next.
     share: f64,
     part: f64,
-    here: [f64; 6],
+    /// Joints of the last tick, and those that were asked for last.
+    last: [f64; 6],
     at: [f64; 6],
     /// Where the arm really is.
     pub arm: [f64; 6],
-    /// Whether it hears a sender.
-    pub hears: bool,
+    is_connected: bool,
 }
 
 impl StandIn {
@@ -40,17 +44,19 @@ impl StandIn {
         StandIn {
             ring_size: options.ring as usize,
             brake: options.rate.seconds() / options.stop_s,
-            limits: [options.max_step_rad, options.max_gap_rad, options.max_move_rad],
+            max_step_rad: options.max_step_rad,
+            max_gap_rad: options.max_gap_rad,
+            max_move_rad: options.max_move_rad,
             ring: VecDeque::new(),
             reply: UrReply::default(),
             total: 0,
             stop: false,
             share: 0.0,
             part: 0.0,
-            here: arm,
+            last: arm,
             at: arm,
             arm,
-            hears: false,
+            is_connected: false,
         }
     }
 
@@ -62,13 +68,13 @@ impl StandIn {
     /// Takes a line. `false`: it is no frame, and the connection ends.
     pub fn take(&mut self, line: &str) -> bool {
         let Ok(frame) = line.parse::<UrFrame>() else { return false };
-        if self.over() {
+        if self.has_ended() {
             return true;
         }
         if self.reply.job == 0 {
             (self.reply.job, self.total) = (frame.job.number, frame.job.ticks);
         }
-        self.hears = true;
+        self.is_connected = true;
         if (frame.job.number, frame.job.ticks) != (self.reply.job, self.total) {
             self.halt(UrFault::Sender);
             return true;
@@ -84,12 +90,12 @@ impl StandIn {
     }
 
     /// The connection is gone.
-    pub fn deaf(&mut self) {
-        self.hears = false;
+    pub fn disconnected(&mut self) {
+        self.is_connected = false;
     }
 
     /// Whether it has ended.
-    pub fn over(&self) -> bool {
+    fn has_ended(&self) -> bool {
         matches!(self.reply.state, UrState::Done | UrState::Stopped | UrState::Halted)
     }
 
@@ -97,11 +103,13 @@ impl StandIn {
         (self.reply.state, self.reply.fault) = (UrState::Halted, Some(fault));
     }
 
-    /// Whether the next tick is within a turn of every joint from the last one; if not, it halts.
-    fn may(&mut self, tick: &UrTick) -> bool {
-        let (most, fault) =
-            if tick.move_rad_s.is_some() { (self.limits[2], UrFault::Move) } else { (self.limits[0], UrFault::Step) };
-        let near = is_near(&tick.joints, &self.here, most);
+    /// Halts if a joint turns too far from the last tick to this one. Whether it goes on.
+    fn check(&mut self, tick: &UrTick) -> bool {
+        let (most, fault) = match tick.move_rad_s {
+            Some(_) => (self.max_move_rad, UrFault::Move),
+            None => (self.max_step_rad, UrFault::Step),
+        };
+        let near = is_near(&tick.joints, &self.last, most);
         if !near {
             self.halt(fault);
         }
@@ -109,7 +117,7 @@ impl StandIn {
     }
 
     fn pass(&mut self, tick: &UrTick) {
-        self.here = tick.joints;
+        self.last = tick.joints;
         self.reply.run += 1;
         self.ring.pop_front();
     }
@@ -132,8 +140,8 @@ impl StandIn {
             self.reply.state = UrState::Done;
         } else if self.stop {
             self.reply.state = UrState::Stopped;
-        } else if self.hears && full && !self.ring.is_empty() {
-            if is_near(&self.arm, &self.at, self.limits[1]) {
+        } else if self.is_connected && full && !self.ring.is_empty() {
+            if is_near(&self.arm, &self.at, self.max_gap_rad) {
                 self.reply.state = UrState::Runs;
             } else {
                 self.halt(UrFault::Gap);
@@ -150,18 +158,18 @@ impl StandIn {
         let low = (self.ring_size / 3) as f64;
         let left = self.ring.len() as f64;
         let most = if self.reply.taken < self.total { (left / low).min(1.0).sqrt() } else { 1.0 };
-        let goes = self.hears && !self.stop;
+        let goes = self.is_connected && !self.stop;
         self.share = (self.share + if goes { self.brake } else { -self.brake }).min(most);
         let tick = match self.ring.front() {
             Some(tick) if self.share >= 0.5 * self.brake => *tick,
             _ => return self.rest(),
         };
-        if !self.may(&tick) {
+        if !self.check(&tick) {
             return None;
         }
         if tick.move_rad_s.is_some() {
             self.pass(&tick);
-            (self.at, self.arm) = (self.here, self.here);
+            (self.at, self.arm) = (self.last, self.last);
             self.rest();
             return Some(Ran { joints: self.at, filament_mm_s: tick.filament_mm_s });
         }
@@ -171,11 +179,11 @@ impl StandIn {
             self.pass(&tick);
             self.part -= 1.0;
             match self.ring.front().copied() {
-                Some(next) if self.part > 1e-6 && next.move_rad_s.is_none() && self.may(&next) => goal = next,
+                Some(next) if self.part > 1e-6 && next.move_rad_s.is_none() && self.check(&next) => goal = next,
                 _ => self.part = 0.0,
             }
         }
-        self.at = std::array::from_fn(|k| self.here[k] + self.part * (goal.joints[k] - self.here[k]));
+        self.at = std::array::from_fn(|k| self.last[k] + self.part * (goal.joints[k] - self.last[k]));
         self.arm = self.at;
         Some(Ran { joints: self.at, filament_mm_s: goal.filament_mm_s.map(|speed| speed * self.share) })
     }

@@ -134,6 +134,18 @@ impl MotionArgs {
             Err(why) => refused(why),
         }
     }
+
+    /// Refuses an extruder that programs of this format do not drive.
+    pub fn check_extruder(&self, format: ProgramFormat) -> Result<(), Failure> {
+        let is_default = self.extruder == UrExtruderArgs::default();
+        if is_default || format.language() == Some(ProgramLanguage::UrScript) {
+            return Ok(());
+        }
+        Err(Failure::of_arguments(format!(
+            "--ur-extruder does nothing with --program {}: it is for urscript and urscript-movep",
+            format.name()
+        )))
+    }
 }
 
 impl ProgramFormat {

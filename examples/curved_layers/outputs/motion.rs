@@ -14,9 +14,8 @@ use curvlay_examples::report::Report;
 use curvlay_examples::summary::Summary;
 use curvlay_examples::table::Table;
 use curvlay_hull::{ConvexHull, Depth};
-use curvlay_kinematics::Track;
 use curvlay_kinematics::scene::{Body, Mount, Shape};
-use curvlay_kinematics::workcell::{HOT_END, NOZZLE, Workcell};
+use curvlay_kinematics::workcell::{Equipment, HOT_END, NOZZLE, Workcell};
 use curvlay_trajectory::check::{FindingClass, FindingPlace, JointPeaks, PrintPeak};
 use curvlay_trajectory::print::{FaultKind, LayerPlan, PlanTimes, PrintPlan, Run};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -143,15 +142,15 @@ pub fn summary<const N: usize, const F: usize, W: Workcell<N, F>>(
         .set("astray", run.count(FaultKind::PathDeviation))?
         .set("transfers", run.travels.len())?
         .set("without_transfer", run.count(FaultKind::NoTransfer))?;
-    found.iter().try_for_each(|found| checked(found, cell.equipment().track(), summary))
+    found.iter().try_for_each(|found| checked(found, cell.equipment(), summary))
 }
 
 /// Figures of the check.
-fn checked<const N: usize>(checked: &Checked<N>, track: Option<&Track>, summary: &mut Summary) -> Result<(), Failure> {
+fn checked<const N: usize>(checked: &Checked<N>, equipment: &Equipment, summary: &mut Summary) -> Result<(), Failure> {
     let report = &checked.report.print;
     let peak = |peak: &Option<PrintPeak>| peak.map_or(0.0, |peak| peak.value);
-    let (turning, on_track) = report.joints.split_at(N - usize::from(track.is_some()));
-    for (track, peaks) in track.iter().zip(on_track) {
+    let (turning, on_track) = report.joints.split_at(turning_joints(equipment, N));
+    for (track, peaks) in equipment.track().into_iter().zip(on_track) {
         let mm = track.mm_per_unit();
         summary
             .set("max_velocity_track_mm_s", mm * peaks.velocity.value.abs())?

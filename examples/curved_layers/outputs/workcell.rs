@@ -1,4 +1,4 @@
-//! `workcell.json`: the workcell in which the run has planned, with the limits that held, for whoever replays or repeats it.
+//! `workcell.json`: the workcell in which the run has planned, with the limits that held: to replay the run, or to repeat it.
 
 use crate::motion::MotionRun;
 use curvlay_examples::args::Failure;
@@ -8,7 +8,7 @@ use std::io;
 use std::path::{Path, absolute};
 
 /// Its name.
-pub const FILE: &str = "workcell.json";
+pub use curvlay_examples::motion::WORKCELL_FILE as FILE;
 
 /// Writes it. Meshes of links stay where they are, beside the file that was given.
 ///

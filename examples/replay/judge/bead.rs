@@ -29,7 +29,7 @@ impl Bead {
         (self.to - self.from).norm()
     }
 
-    /// By which angle a nozzle leans otherwise than is planned after a share of its length, in radians; 0 where nothing is planned.
+    /// The angle between a nozzle and the planned direction after a share of its length, in radians; 0 where none is planned.
     pub fn tilt_off(&self, share: f64, axis: &Vector3<f64>) -> f64 {
         self.directions.map_or(0.0, |[from, to]| {
             let planned = from + (to - from) * share;

@@ -57,7 +57,7 @@ pub struct Tip<'p> {
     pub extruded_mm: f64,
     /// The way that is off by more than is allowed.
     pub off_mm: f64,
-    /// By how much the nozzle leans otherwise than planned, in degrees: weighted by the way, and the worst.
+    /// By how much the nozzle direction differs from the plan, in degrees: weighted by the way, and the worst.
     pub tilts: Histogram,
     /// The worst of them.
     pub tilt: Worst,
@@ -164,7 +164,7 @@ impl<'p> Tip<'p> {
         }
     }
 
-    /// The nozzle leans otherwise than planned by so many degrees.
+    /// The nozzle direction differs from the plan by so many degrees.
     fn lean(&mut self, tick: &Tick, pose: &NozzlePose, off_deg: f64, way: f64) {
         self.tilts.add(off_deg, way.max(1e-9));
         self.tilt.take(off_deg, tick, Some(&pose.tip));

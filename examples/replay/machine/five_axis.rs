@@ -33,11 +33,11 @@ pub struct FiveAxis {
     pub limits: Limits,
 }
 
-/// The machine of a program for which nobody names one.
+/// The machine of a program for which none is named.
 const TABLE: &str = include_str!("table.json");
 
 impl FiveAxis {
-    /// The table of a program for which nobody names a machine: B about y carries C about z, both through the origin of the part.
+    /// The machine of a program for which none is named: B about y carries C about z, both through the origin of the part.
     ///
     /// # Errors
     /// Never, as long as its file is one.

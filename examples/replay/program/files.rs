@@ -185,7 +185,7 @@ fn one_of_gcode<'f>(folder: &Path, all: &[&'f Found], wanted: Wanted) -> Result<
     match others.as_slice() {
         [] => Err(fault(
             folder,
-            &"has no program (print_001.script, print.mod, print.src, print.ls, print_001.csv, toolpath-axes.gcode or toolpath-bc.gcode)",
+            &"has no program (print_001.script, print.mod, print.src, print.ls, print_001.csv or toolpath-axes.gcode)",
         )),
         [file] => Ok(file),
         _ => Err(fault(folder, &"has several files of G-code: name one")),

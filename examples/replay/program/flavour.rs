@@ -132,7 +132,7 @@ fn of_part(item: Move) -> Option<Command> {
     }
 }
 
-/// What happens while all axes stand still, as far as it takes time that is known.
+/// What happens while all axes stand still and takes a known time.
 fn still(item: &Move) -> Option<Command> {
     match *item {
         Move::Home => Some(Command::Lost),

@@ -77,23 +77,16 @@ impl<'g> RobotProgram<'g> {
 
     /// A RAPID program; `open` gives the modules that it loads, by their names. Its files have numbers from `file` on.
     ///
-    /// # Returns
-    /// How many files it has.
-    ///
     /// # Errors
     /// As [`RobotProgram::urscript`].
     pub fn rapid<R: BufRead>(
         &mut self,
         main: impl BufRead,
-        mut open: impl FnMut(&str) -> std::io::Result<R>,
+        open: impl FnMut(&str) -> std::io::Result<R>,
         file: u32,
-    ) -> Result<u32, String> {
-        let loads = Cell::new(0u32);
-        let opening = |name: &str| {
-            loads.set(loads.get() + 1);
-            open(name)
-        };
-        let mut program = read_rapid(main, opening).map_err(|error| error.to_string())?;
+    ) -> Result<(), String> {
+        let opened = Cell::new(0);
+        let mut program = read_rapid(main, counting(open, &opened)).map_err(|error| error.to_string())?;
         let main = program.main();
         let identity = nalgebra::Isometry3::identity();
         let work = main.work_object.as_ref();
@@ -104,7 +97,7 @@ impl<'g> RobotProgram<'g> {
             on_table: work.is_some_and(|work| work.unit.is_some()),
         };
         (self.give)(Source::Frames(frames))?;
-        let (mut at, mut acceleration) = (Steps::new(file), None);
+        let (mut at, mut acceleration) = (Steps::new(file, &opened), None);
         while let Some(found) = program.next() {
             let found = found.map_err(|error| error.to_string())?;
             let now = program.acceleration().and_then(|all| all.path_m_s2);
@@ -112,30 +105,23 @@ impl<'g> RobotProgram<'g> {
                 acceleration = now;
                 now.map_or(Ok(()), |m_s2| (self.give)(Source::Acceleration(m_s2 * 1000.0)))?;
             }
-            self.step(Rules::Abb, at.next(loads.get()), &found)?;
+            self.step(Rules::Abb, at.next(), &found)?;
         }
-        Ok(1 + loads.get())
+        Ok(())
     }
 
-    /// A KRL program of a main module and its data list; `open` gives the modules that it calls.
-    ///
-    /// # Returns
-    /// How many files it has, besides the data list.
+    /// A KRL program of a main module and its data list; `open` gives the modules that it calls. Its files, the data list aside, have numbers from `file` on.
     ///
     /// # Errors
     /// As [`RobotProgram::urscript`].
     pub fn krl<R: BufRead>(
         &mut self,
         [data, main]: [impl BufRead; 2],
-        mut open: impl FnMut(&str) -> std::io::Result<R>,
+        open: impl FnMut(&str) -> std::io::Result<R>,
         file: u32,
-    ) -> Result<u32, String> {
-        let loads = Cell::new(0u32);
-        let opening = |name: &str| {
-            loads.set(loads.get() + 1);
-            open(name)
-        };
-        let mut program = read_krl(data, main, opening).map_err(|error| error.to_string())?;
+    ) -> Result<(), String> {
+        let opened = Cell::new(0);
+        let mut program = read_krl(data, main, counting(open, &opened)).map_err(|error| error.to_string())?;
         // What carries the frames is known from the first step on.
         let mut step = program.next();
         let [first, second] = program.frames().map(|frame| Frame::from(&frame));
@@ -143,35 +129,29 @@ impl<'g> RobotProgram<'g> {
         let (tool, work) = if part_in_hand { (second, first) } else { (first, second) };
         let on_table = program.kinematic().is_some();
         (self.give)(Source::Frames(ToolFrames { part_in_hand, tool, work, on_table }))?;
-        let mut at = Steps::new(file);
+        let mut at = Steps::new(file, &opened);
         while let Some(found) = step {
             let found = found.map_err(|error| error.to_string())?;
-            self.step(Rules::Kuka, at.next(loads.get()), &found)?;
+            self.step(Rules::Kuka, at.next(), &found)?;
             step = program.next();
         }
-        Ok(1 + loads.get())
+        Ok(())
     }
 
     /// A TP program of a main and the programs that it calls. Its positions refer to frames that are measured in the controller: `frames` are those of the workcell.
-    ///
-    /// # Returns
-    /// How many files it has.
+    /// Its files have numbers from `file` on.
     ///
     /// # Errors
     /// As [`RobotProgram::urscript`].
     pub fn tp<R: BufRead>(
         &mut self,
         main: impl BufRead,
-        mut open: impl FnMut(&str) -> std::io::Result<R>,
+        open: impl FnMut(&str) -> std::io::Result<R>,
         file: u32,
         frames: ToolFrames,
-    ) -> Result<u32, String> {
-        let loads = Cell::new(0u32);
-        let opening = |name: &str| {
-            loads.set(loads.get() + 1);
-            open(name)
-        };
-        let program = read_tp(main, opening).map_err(|error| error.to_string())?;
+    ) -> Result<(), String> {
+        let opened = Cell::new(0);
+        let program = read_tp(main, counting(open, &opened)).map_err(|error| error.to_string())?;
         if program.part_in_hand() != frames.part_in_hand {
             let [who, other] = if frames.part_in_hand { ["part", "nozzle"] } else { ["nozzle", "part"] };
             return Err(format!(
@@ -179,12 +159,12 @@ impl<'g> RobotProgram<'g> {
             ));
         }
         (self.give)(Source::Frames(frames))?;
-        let mut at = Steps::new(file);
+        let mut at = Steps::new(file, &opened);
         for found in program {
             let found = found.map_err(|error: ReadError| error.to_string())?;
-            self.step(Rules::Fanuc, at.next(loads.get()), &found)?;
+            self.step(Rules::Fanuc, at.next(), &found)?;
         }
-        Ok(1 + loads.get())
+        Ok(())
     }
 
     fn step(&mut self, rules: Rules, place: Place, step: &Step) -> Result<(), String> {
@@ -210,21 +190,35 @@ impl<'g> RobotProgram<'g> {
     }
 }
 
+/// Counts the files that a reader opens beside the main one.
+fn counting<R>(
+    mut open: impl FnMut(&str) -> std::io::Result<R>,
+    opened: &Cell<u32>,
+) -> impl FnMut(&str) -> std::io::Result<R> {
+    move |name| {
+        opened.set(opened.get() + 1);
+        open(name)
+    }
+}
+
 /// Counts steps in each file of a program.
-struct Steps {
+struct Steps<'c> {
     first: u32,
+    opened: &'c Cell<u32>,
     place: Place,
 }
 
-impl Steps {
-    fn new(first: u32) -> Self {
-        Steps { first, place: Place { file: first, step: 0 } }
+impl<'c> Steps<'c> {
+    /// Before the first step: the main file has the number `first`, and so many files are `opened` beside it.
+    fn new(first: u32, opened: &'c Cell<u32>) -> Self {
+        Steps { first, opened, place: Place { file: first, step: 0 } }
     }
 
-    /// The place of a step that was read when so many files had been opened beside the main one.
-    fn next(&mut self, opened: u32) -> Place {
-        if self.place.file != self.first + opened {
-            self.place = Place { file: self.first + opened, step: 0 };
+    /// The place of the step that was read last.
+    fn next(&mut self) -> Place {
+        let file = self.first + self.opened.get();
+        if self.place.file != file {
+            self.place = Place { file, step: 0 };
         }
         self.place.step += 1;
         self.place

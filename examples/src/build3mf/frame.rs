@@ -1,7 +1,7 @@
 //! How the nozzle stands, as a rotation: `R` takes z to the direction of the nozzle.
 //!
 //! A nozzle is round, so its turn about itself is free. It is the smallest rotation from z, `k = 0`: a function of the direction alone, so that
-//! the nozzle winds up on no path, however often it goes round. Between two places whose directions differ by up to 5 degrees, linear interpolation of the
+//! the nozzle winds up on no path, however often it goes round. Between two places whose directions differ by up to 2 degrees and lean by up to 90, linear interpolation of the
 //! quaternions as the specification has it (section 1.4.2) is within 0.01 degrees of the great circle; a test holds it to that.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3};

@@ -25,6 +25,7 @@ mod write;
 mod write_error;
 
 pub use frame::{direction_of, frame_at};
+pub(crate) use names::unit_mm;
 pub use names::{CORE, LAYER_RELATIONSHIP, OURS, PRODUCTION, TOOLPATH};
 pub use options::{BuildOptions, BuildWritten};
 pub use parts::MAX_LINES;

@@ -37,7 +37,7 @@ pub(super) fn write(
     out: &mut impl Write,
 ) -> Result<(), WriteBuildError> {
     let uuid = |of: &str| names.content.uuid(of);
-    // Who does not know our words would lay beads on travels.
+    // A consumer that does not know our words would lay beads on travels.
     let required = if options.travels { "p tp n" } else { "p tp" };
     writeln!(out, "{HEAD}\n<model unit=\"millimeter\" xml:lang=\"en-US\" xmlns=\"{CORE}\" xmlns:p=\"{PRODUCTION}\"")?;
     writeln!(out, " xmlns:tp=\"{TOOLPATH}\" xmlns:n=\"{OURS}\" requiredextensions=\"{required}\">")?;

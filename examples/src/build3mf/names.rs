@@ -1,4 +1,4 @@
-//! Names of the package: namespaces, relationships, content types, kinds.
+//! Names of the package: namespaces, relationships, content types, units, kinds.
 
 use super::SegmentKind;
 use curvlay_toolpath::path::BeadKind;
@@ -21,6 +21,19 @@ pub(super) const CONTENT_TYPES: &str = "http://schemas.openxmlformats.org/packag
 
 /// Where the model is.
 pub(super) const MODEL_PART: &str = "/3D/3dmodel.model";
+
+/// Millimetres of a unit of the core specification (attribute `unit` of a model); none of another word.
+pub(crate) fn unit_mm(unit: &str) -> Option<f64> {
+    Some(match unit {
+        "micron" => 1e-3,
+        "millimeter" => 1.0,
+        "centimeter" => 10.0,
+        "inch" => 25.4,
+        "foot" => 304.8,
+        "meter" => 1000.0,
+        _ => return None,
+    })
+}
 
 /// All kinds, by the names that files have.
 const KINDS: [(SegmentKind, &str); 9] = [

@@ -18,7 +18,7 @@ pub use home::{NO_HOME, from_home, home};
 pub use on_cell::{OnCell, OverTable, PartInHand, bounds_of};
 pub use parts::{FlatPrint, Moved, Printed, is_program, plate_mm, print_parts};
 pub use printing::{PlacedPaths, PrintingCell, nozzle_of, table_options, track_options, waypoints};
-pub use reading::{workcell_model, workcell_of, workcell_or};
+pub use reading::{WORKCELL_FILE, workcell_model, workcell_of, workcell_or};
 pub use studied::{STEP_S, Studied, centred, dissertation_cells, inside, near_samples};
 pub use target_programs::{TargetFormat, TargetLanguage, TargetProgram, target_files, write_targets};
 pub use track::turning_joints;

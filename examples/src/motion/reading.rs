@@ -8,6 +8,9 @@ use curvlay_kinematics::urdf::{LinkNames, UrdfArm};
 use curvlay_kinematics::workcell::{AnyWorkcell, ArmPart, BodiesModel, WorkcellModel};
 use std::path::Path;
 
+/// The workcell of a run of `curved_layers`, in its output folder.
+pub const WORKCELL_FILE: &str = "workcell.json";
+
 /// Where the names of arms are, for messages.
 const NAMES: &str = "examples/cells/arms.json has the names of arms, examples/cells/ur10.json is a workcell to copy";
 

@@ -2,6 +2,7 @@
 
 use crate::common;
 use curvlay_examples::shapes::ell;
+use curvlay_toolpath::gcode::flavour::Flavour;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -27,7 +28,7 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// For each example and each of its options: the name under which a run would write the file. `@` stands for it.
-const GIVEN: [(&str, &[&str], &str); 22] = [
+const GIVEN: [(&str, &[&str], &str); 24] = [
     ("best_orientation", &["@"], "best_pose.stl"),
     ("best_orientation", &["--mesh", "@"], "best_pose.obj"),
     ("continuous_fiber", &["@"], "layer.png"),
@@ -42,6 +43,8 @@ const GIVEN: [(&str, &[&str], &str); 22] = [
     ("curved_layers", &["--profile", "@"], "summary.json"),
     ("curved_layers", &["--resume", "@"], "field.txt"),
     ("curved_layers", &["--workcell", "@", "--stage", "motion"], "print_001.csv"),
+    ("curved_layers", &["--workcell", "@", "--stage", "motion"], "workcell.json"),
+    ("curved_layers", &["--flavour", "@"], "flavour.json"),
     ("curved_layers", &["part.stl", "--merge", "@"], "paths.jsonl"),
     ("dome_drawing", &["@"], "design.dxf"),
     ("dome_drawing", &["--svg", "@"], "drawing_001.mod"),
@@ -57,6 +60,7 @@ fn content(args: &[&str], name: &str) -> Vec<u8> {
     let option = args.iter().position(|word| *word == "@").filter(|at| *at > 0).map_or("", |at| args[at - 1]);
     match option {
         "--profile" => b"{}".to_vec(),
+        "--flavour" => serde_json::to_vec(&Flavour::built_in("klipper").unwrap()).unwrap(),
         "--workcell" => fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("cells/ur3.json")).unwrap(),
         _ => {
             let mut bytes = Vec::new();

@@ -4,7 +4,7 @@ use super::attributes::Element;
 use super::data::LayerPart;
 use super::error::ReadBuildError;
 use super::package::parse;
-use crate::build3mf::names::{OURS, PRODUCTION, TOOLPATH, kind_of};
+use crate::build3mf::names::{OURS, PRODUCTION, TOOLPATH, kind_of, unit_mm};
 use crate::build3mf::profile::{Profile, Range};
 use roxmltree::Node;
 use std::collections::BTreeSet;
@@ -56,18 +56,11 @@ pub(super) fn read(part: &str, text: &str) -> Result<Model, ReadBuildError> {
             return Err(ReadBuildError::Extension { part: part.to_owned(), namespace: namespace.to_owned() });
         }
     }
-    let unit_mm = match root.attribute("unit").unwrap_or("millimeter") {
-        "micron" => 1e-3,
-        "millimeter" => 1.0,
-        "centimeter" => 10.0,
-        "inch" => 25.4,
-        "foot" => 304.8,
-        "meter" => 1000.0,
-        other => {
-            let root = Element { part, node: root, place: &|| "model".to_owned() };
-            return Err(root.wrong("unit", Some(other), "a unit of the core specification"));
-        }
-    };
+    let unit = root.attribute("unit").unwrap_or("millimeter");
+    let unit_mm = unit_mm(unit).ok_or_else(|| {
+        let root = Element { part, node: root, place: &|| "model".to_owned() };
+        root.wrong("unit", Some(unit), "a unit of the core specification")
+    })?;
     let resource = resource(part, root)?;
     let element = Element { part, node: resource, place: &|| "toolpathresource".to_owned() };
     match element.node.attribute("toolpathtype") {
@@ -88,7 +81,8 @@ pub(super) fn read(part: &str, text: &str) -> Result<Model, ReadBuildError> {
     let mut layers = Vec::new();
     for (at, node) in children(resource, "toolpathlayers", "toolpathlayer").enumerate() {
         let layer = Element { part, node, place: &|| format!("toolpathlayer {}", at + 1) };
-        let number = layer.optional((OURS, "layer"), "an integer from 1", |n| n >= 1.0 && n <= 2f64.powi(32))?;
+        let is_layer = |n: f64| (1.0..=2f64.powi(32)).contains(&n) && n.fract().abs() <= 0.0;
+        let number = layer.optional((OURS, "layer"), "an integer from 1", is_layer)?;
         layers.push(LayerPart { path: layer.text("path")?.to_owned(), layer: number.map(|n| (n - 1.0) as u32) });
     }
     let build = root.children().filter(|node| node.tag_name().name() == "build");

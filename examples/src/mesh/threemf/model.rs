@@ -2,7 +2,7 @@
 
 use super::super::fault::{MeshFault, package_fault, quoted};
 use super::package::absolute;
-use crate::build3mf::OURS;
+use crate::build3mf::{OURS, unit_mm};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -92,15 +92,8 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Model, MeshFault> {
     let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| at(&error))?;
     let root = document.root_element();
-    let unit_mm = match root.attribute("unit").unwrap_or("millimeter") {
-        "micron" => 1e-3,
-        "millimeter" => 1.0,
-        "centimeter" => 10.0,
-        "inch" => 25.4,
-        "foot" => 304.8,
-        "meter" => 1000.0,
-        other => return Err(at(&format!("the unit {} is not known", quoted(other)))),
-    };
+    let unit = root.attribute("unit").unwrap_or("millimeter");
+    let unit_mm = unit_mm(unit).ok_or_else(|| at(&format!("the unit {} is not known", quoted(unit))))?;
     let resources = || children(root, "resources").flat_map(|resources| resources.children());
     let mut objects = BTreeMap::new();
     for node in resources().filter(|node| node.tag_name().name() == "object") {

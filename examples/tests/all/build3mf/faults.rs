@@ -80,6 +80,8 @@ fn faults_of_a_model_have_names() {
     assert!(matches!(&x, E::Attribute { attribute, .. } if attribute == "factor"), "{x}");
     let x = of(MODEL, "unit=\"millimeter\"", "unit=\"cubit\"");
     assert!(matches!(&x, E::Attribute { attribute, .. } if attribute == "unit"), "{x}");
+    let x = of(MODEL, "n:layer=\"2\"", "n:layer=\"1.5\"");
+    assert!(matches!(&x, E::Attribute { attribute, .. } if attribute == "layer"), "{x}");
     let x = of(MODEL, "/Toolpath/Layers/layer00002.xml", "/Toolpath/Layers/other.xml");
     assert!(matches!(&x, E::NoRelationship { target, .. } if target.contains("other")), "{x}");
 }

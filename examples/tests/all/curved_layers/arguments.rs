@@ -7,7 +7,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
     let scratch = Scratch::new("bad");
     fs::write(scratch.path("file"), "x").unwrap();
     let (out, in_the_way) = (scratch.path("out"), scratch.path("file"));
-    let cases: [(&[&str], i32, &str); 80] = [
+    let cases: [(&[&str], i32, &str); 81] = [
         (&["--nozzle", "1,45,8"], 2, "four numbers"),
         (&["--nozzle", "9,30,8,30"], 2, "wider than it is high"),
         (&["--voxels", "0"], 2, "--voxels"),
@@ -34,6 +34,12 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--stage", "motion", "--program", "rapid"], 2, "UR3 takes urscript"),
         (&["--stage", "motion", "--program", "urscript", "--cell8"], 2, "takes rapid, krl, tp"),
         (&["--stage", "motion", "--workcell", "ur10e", "--program", "tp"], 2, "UR10e takes urscript"),
+        (&["--ur-extruder", "socket:192.168.1.9:4000,12"], 2, "--stage motion"),
+        (
+            &["--stage", "motion", "--cell8", "--ur-extruder", "socket:192.168.1.9:4000,12"],
+            2,
+            "--ur-extruder does nothing with --program rapid",
+        ),
         (&["--cell8"], 2, "--stage motion"),
         (&["--program", "none"], 2, "--stage motion"),
         (&["--margin", "0.5"], 2, "--stage motion"),
@@ -92,7 +98,6 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--cell", "0.0001"], 1, "grid"),
         (&["--platform-diameter", "1e9"], 1, "platform"),
         (&["--on", "no-such-mould.stl"], 1, "no-such-mould.stl"),
-        (&["--rotary"], 2, "use --machine FILE; examples/machines has five"),
     ];
     for (args, status, word) in cases {
         let output = run(&[args, &["--out", &out]].concat());

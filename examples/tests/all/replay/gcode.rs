@@ -105,7 +105,7 @@ fn a_nozzle_that_leans_otherwise_is_caught_though_its_tip_is_right() {
     let more = ["--allow-time", "0.015"];
     let summary = gcode_run("leaning", &leaning(&RotaryTable::default(), 10.0, 0.15), &more);
     assert_eq!(failed(&summary).len(), 1, "{:?}", failed(&summary));
-    assert!(has(&summary, "the nozzle leans otherwise than planned: 8.59 degrees"), "{:?}", failed(&summary));
+    assert!(has(&summary, "the nozzle direction differs from the plan: 8.59 degrees"), "{:?}", failed(&summary));
     assert!(summary["findings"].as_str().unwrap().contains("the whole program is off"), "{}", summary["findings"]);
     assert!(
         figure(&summary, "tip_off_mm") < 0.1 && (figure(&summary, "tilt_off_deg") - 0.15f64.to_degrees()).abs() < 0.05

@@ -6,9 +6,6 @@ use curvlay_kinematics::program::{
 };
 use curvlay_kinematics::robots;
 use curvlay_kinematics::workcell::WorkcellModel;
-use std::cell::RefCell;
-use std::collections::BTreeMap;
-use std::rc::Rc;
 
 /// The assumed workcell around an arm.
 fn around(name: &str) -> (WorkcellModel, AnyWorkcell) {
@@ -50,52 +47,23 @@ fn steps(cell: &AnyWorkcell, mut change: impl FnMut(usize, &mut Target)) -> Vec<
     steps
 }
 
-/// Files that a writer of modules makes.
-#[derive(Clone, Default)]
-struct Files(Rc<RefCell<BTreeMap<String, Vec<u8>>>>);
-
-struct Sink(Files, String);
-
-impl std::io::Write for Sink {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.0.borrow_mut().entry(self.1.clone()).or_default().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Files {
-    fn open(&self, name: &str) -> std::io::Result<Sink> {
-        Ok(Sink(self.clone(), name.to_owned()))
-    }
-
-    fn put_into(&self, folder: &Path) {
-        self.0.borrow().iter().for_each(|(name, bytes)| fs::write(folder.join(name), bytes).unwrap());
-    }
-}
-
-fn krl(cell: &AnyWorkcell, lines: KrlLines, steps: Vec<Step>) -> Files {
-    let files = Files::default();
-    // Modules of few moves: steps are counted in each of them.
+/// Writes a program into the folder of a run. Its modules have few moves: steps are counted in each of them.
+fn krl(name: &str, cell: &AnyWorkcell, lines: KrlLines, steps: Vec<Step>) {
+    let inputs = folder(name);
     let options =
         KrlOptions { name: "print".into(), moves_per_module: 5, lines, ..KrlOptions::of_workcell(cell.equipment()) };
-    write_krl(steps, &options, |name| files.open(name)).unwrap();
-    files
+    write_krl(steps, &options, |file| fs::File::create(inputs.join(file))).unwrap();
 }
 
-fn tp(cell: &AnyWorkcell, steps: Vec<Step>) -> Files {
-    let files = Files::default();
-    let options = TpOptions { name: "print".into(), moves_per_program: 5, ..TpOptions::of_workcell(cell.equipment()) };
-    write_tp(steps, &options, |name| files.open(name)).unwrap();
-    files
-}
-
-fn replayed(name: &str, files: &Files, words: &[&str]) -> Map<String, Value> {
+fn tp(name: &str, cell: &AnyWorkcell, steps: Vec<Step>) {
     let inputs = folder(name);
-    files.put_into(&inputs);
+    let options = TpOptions { name: "print".into(), moves_per_program: 5, ..TpOptions::of_workcell(cell.equipment()) };
+    write_tp(steps, &options, |file| fs::File::create(inputs.join(file))).unwrap();
+}
+
+/// Replays what is in the folder of a run.
+fn replayed(name: &str, words: &[&str]) -> Map<String, Value> {
+    let inputs = folder(name);
     let plan = plan(&inputs, &paths(), upright);
     run(name, &[&[inputs.to_str().unwrap(), "--plan", &plan, "--allow-time", "0.2"], words].concat())
         .unwrap_or_else(|error| panic!("{name}: {error}"))
@@ -112,7 +80,8 @@ fn is_as_planned(summary: &Map<String, Value>, name: &str) {
 fn krl_is_what_was_planned() {
     let (_, cell) = around("KR 6 R900-2");
     for (name, lines) in [("krl", KrlLines::Lin), ("krl-spline", KrlLines::Spline)] {
-        let summary = replayed(name, &krl(&cell, lines, steps(&cell, |_, _| {})), &["--workcell", "KR 6 R900-2"]);
+        krl(name, &cell, lines, steps(&cell, |_, _| {}));
+        let summary = replayed(name, &["--workcell", "KR 6 R900-2"]);
         is_as_planned(&summary, name);
         assert_eq!((summary["format"].as_str(), summary["files"].as_u64() > Some(2)), (Some("KRL"), true));
     }
@@ -121,7 +90,8 @@ fn krl_is_what_was_planned() {
 #[test]
 fn tp_is_what_was_planned() {
     let (_, cell) = around("LR Mate 200iD");
-    let summary = replayed("tp", &tp(&cell, steps(&cell, |_, _| {})), &["--workcell", "LR Mate 200iD"]);
+    tp("tp", &cell, steps(&cell, |_, _| {}));
+    let summary = replayed("tp", &["--workcell", "LR Mate 200iD"]);
     is_as_planned(&summary, "tp");
     assert_eq!(summary["format"], "TP");
 }
@@ -134,7 +104,8 @@ fn a_target_that_is_off_is_caught_with_its_module() {
             target.pose.translation.y += 1.0;
         }
     });
-    let summary = replayed("krl-off", &krl(&cell, KrlLines::Lin, off), &["--workcell", "KR 6 R900-2"]);
+    krl("krl-off", &cell, KrlLines::Lin, off);
+    let summary = replayed("krl-off", &["--workcell", "KR 6 R900-2"]);
     assert!(has(&summary, "the tip is off the planned path"), "{:?}", failed(&summary));
     assert!(summary["findings"].as_str().unwrap().contains("of print_001.src"), "{}", summary["findings"]);
     let (_, cell) = around("LR Mate 200iD");
@@ -144,8 +115,9 @@ fn a_target_that_is_off_is_caught_with_its_module() {
             target.pose.rotation = lean * target.pose.rotation;
         }
     });
-    let summary = replayed("tp-leaning", &tp(&cell, leaning), &["--workcell", "LR Mate 200iD"]);
-    assert!(has(&summary, "the nozzle leans otherwise than planned: 11.4"), "{:?}", failed(&summary));
+    tp("tp-leaning", &cell, leaning);
+    let summary = replayed("tp-leaning", &["--workcell", "LR Mate 200iD"]);
+    assert!(has(&summary, "the nozzle direction differs from the plan: 11.4"), "{:?}", failed(&summary));
 }
 
 /// A workcell without a table does not move one, whatever the program says.
@@ -156,9 +128,8 @@ fn external_axes_that_the_workcell_lacks_are_refused() {
         Step::Move(to) => Step::Move(Move { table: Some(ExternalAxes::from([0.1, 0.2])), ..to }),
         other => other,
     });
-    let files = krl(&cell, KrlLines::Lin, tables.collect());
+    krl("krl-table", &cell, KrlLines::Lin, tables.collect());
     let inputs = folder("krl-table");
-    files.put_into(&inputs);
     let failure = run("krl-table", &[inputs.to_str().unwrap(), "--workcell", "KR 6 R900-2", "--no-plan"]).unwrap_err();
     assert!(failure.contains("the move has 2 external axes, the workcell no table"), "{failure}");
 }
@@ -169,35 +140,36 @@ fn a_folder_prefers_the_robot_program_and_says_it() {
     let (_, cell) = around("KR 6 R900-2");
     let inputs = folder("krl-and-gcode");
     file(&inputs, "toolpath-bc.gcode", "G0 X0 Y0 Z5 F100\n");
-    let files = krl(&cell, KrlLines::Lin, steps(&cell, |_, _| {}));
-    let summary = replayed("krl-and-gcode", &files, &["--workcell", "KR 6 R900-2"]);
+    krl("krl-and-gcode", &cell, KrlLines::Lin, steps(&cell, |_, _| {}));
+    let summary = replayed("krl-and-gcode", &["--workcell", "KR 6 R900-2"]);
     is_as_planned(&summary, "krl-and-gcode");
     let findings = summary["findings"].as_str().unwrap();
     assert!(findings.contains("of the programs in the folder one is replayed: print.src (KRL)"), "{findings}");
     let left = findings.lines().find(|line| line.contains("not replayed: "));
     assert!(left.is_some_and(|line| line.contains("toolpath-bc.gcode")), "{findings}");
-    // Nobody says for which robot.
+    // Nothing names the robot.
     let failure = run("krl-and-gcode", &[inputs.to_str().unwrap()]).unwrap_err();
-    assert!(failure.contains("for which robot the KRL program is, nothing says"), "{failure}");
+    assert!(failure.contains("nothing says for which robot the KRL program is"), "{failure}");
 }
 
 /// The workcell of the run is the one in its folder, or the arm that its summary names; what is not found is no guess.
 #[test]
 fn the_workcell_is_that_of_the_run() {
     let (model, cell) = around("KR 6 R900-2");
-    let files = krl(&cell, KrlLines::Lin, steps(&cell, |_, _| {}));
+    for run in ["recorded-name", "recorded-file", "recorded-lost"] {
+        krl(run, &cell, KrlLines::Lin, steps(&cell, |_, _| {}));
+    }
     let named = folder("recorded-name");
     file(&named, "summary.json", r#"{"workcell": "KR 6 R900-2", "cell": "KR 6 R900-2 (assumed workcell)"}"#);
-    let summary = replayed("recorded-name", &files, &[]);
+    let summary = replayed("recorded-name", &[]);
     is_as_planned(&summary, "recorded-name");
     assert!(summary["findings"].as_str().unwrap().contains("that of the run, KR 6 R900-2"));
     let written = folder("recorded-file");
     let mut text = Vec::new();
     model.write_json(&mut text).unwrap();
     fs::write(written.join("workcell.json"), text).unwrap();
-    is_as_planned(&replayed("recorded-file", &files, &[]), "recorded-file");
+    is_as_planned(&replayed("recorded-file", &[]), "recorded-file");
     let lost = folder("recorded-lost");
-    files.put_into(&lost);
     file(&lost, "summary.json", r#"{"workcell": "/nowhere/cell.json", "cell": "mine"}"#);
     let failure = run("recorded-lost", &[lost.to_str().unwrap()]).unwrap_err();
     assert!(failure.contains("was planned in the workcell `/nowhere/cell.json`, which is not found"), "{failure}");

@@ -12,7 +12,9 @@ use crate::common;
 use clap::Parser;
 use curvlay_examples::bars::Bars;
 use curvlay_kinematics::program::ur_stream::*;
-use curvlay_kinematics::program::{Goal, Move, Speed, Step, Straight, UrScriptOptions, Zone, write_urscript};
+use curvlay_kinematics::program::{
+    Goal, Move, ProgramLimits, Speed, Step, Straight, UrScriptOptions, Zone, write_urscript,
+};
 use example::sockets::{Clock, StreamError, SystemClock, stream};
 use example::stand_in::Ran;
 use example::{Args, work};
@@ -289,10 +291,33 @@ fn the_robots_program_is_written() {
     assert!(fs::read_to_string(&over).unwrap().starts_with("def print_001()"));
 }
 
+/// The wrist of a UR3 turns without end, that of other arms of the maker by two turns: the workcell of the run says which arm it is.
+#[test]
+fn limits_are_those_of_the_arm_of_the_run() {
+    let folder = print("turns");
+    let far = |tick| {
+        let mut joints = posture(tick);
+        joints[5] += 7.0;
+        joints
+    };
+    let to = Move { goal: Goal::Joints(far(1)), table: None, speed: Speed::default(), zone: Zone::Stop };
+    let on_way = (2..100).map(|tick| Step::Servo { joints: far(tick), seconds: 0.008 });
+    let options = UrScriptOptions { limits: ProgramLimits::default(), ..UrScriptOptions::default() };
+    let file = fs::File::create(folder.join("print_001.script")).unwrap();
+    write_urscript(std::iter::once(Step::Move(to)).chain(on_way), &options, file).unwrap();
+    let list = "file,steps,first_layer,last_layer,begins\nprint_001.script,98,1,1,at home\n";
+    fs::write(folder.join("programs.csv"), list).unwrap();
+    let refused = work(&args(&folder, &["--dry-run"]), &Bars::new(true)).unwrap_err();
+    assert!(refused.message().contains("joint 6 is 7.001"), "{}", refused.message());
+    fs::write(folder.join("workcell.json"), include_str!("../../../cells/ur3.json")).unwrap();
+    let said = work(&args(&folder, &["--dry-run"]), &Bars::new(true)).unwrap();
+    assert!(said.contains("ran 99 ticks"), "{said}");
+}
+
 #[test]
 fn places_have_program_layer_and_path() {
     let folder = print("places");
-    let found = example::print::Print::open(&folder).unwrap();
+    let found = example::print::Print::open(&folder, 1.0).unwrap();
     let counted = found.count(&options()).unwrap();
     assert_eq!((counted.job.ticks, &counted.ends[..]), (701, &[400, 701][..]));
     let places = example::places::Places::of(&folder, &found, &counted);
@@ -337,6 +362,10 @@ fn prints_that_cannot_be_streamed_are_refused() {
     let file = fs::File::create(folder.join("print_001.script")).unwrap();
     write_urscript([Step::Move(to)], &options, file).unwrap();
     assert!(error(&folder, &["--dry-run"]).contains("no `servoj`"));
+    // A robot that would look for the sender at its own address.
+    assert!(
+        error(&folder, &["--robot", "192.168.1.10"]).contains("--host 127.0.0.1: the robot would connect to itself")
+    );
     // An extruder that is too slow.
     let folder = print("slow");
     let said = error(&folder, &["--dry-run", "--ur-extruder", "socket:10.0.0.1:4000,1000000"]);

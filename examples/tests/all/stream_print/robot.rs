@@ -16,9 +16,9 @@ use std::time::Duration;
 pub struct Faults {
     /// It breaks the connection when so many ticks are run, once each.
     pub cuts: &'static [u32],
-    /// It loses every so many-th frame; 0: none.
+    /// It loses every n-th frame; 0: none.
     pub lose_every: u32,
-    /// Every so many-th reply is none.
+    /// Every n-th reply is garbled; 0: none.
     pub garble_every: u32,
     /// How often of 1000 it loses or delays a reply, or does not read for four seconds of its time.
     pub lose_reply: u32,
@@ -72,7 +72,7 @@ pub fn start(
             };
             robot.connections += 1;
             serve(&mut stand_in, socket, &mut robot, faults, &mut random);
-            stand_in.deaf();
+            stand_in.disconnected();
             (0..100).for_each(|_| robot.ran.extend(stand_in.cycle()));
             robot.reply = stand_in.reply();
         }
