@@ -3,7 +3,7 @@
 # usage: benches/figures.sh FOLDER_OF_MESHES [MODEL...]      VOXELS=60000 THREADS=1 ORDER=directed RUNS=1 unless set; ORDER=best tries several
 # Times are user seconds, the least of RUNS. The planar slicer is Debian's prusa-slicer: filled solid, beads of 0.5 mm; - where it is not installed.
 set -euo pipefail
-folder=$1
+folder=${1:?usage: benches/figures.sh FOLDER_OF_MESHES [MODEL...]}
 shift
 [ $# -gt 0 ] || set -- bunny-hollow fertility kitten rocker-arm mech-part
 out=$(mktemp -d)

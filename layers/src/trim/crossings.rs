@@ -144,8 +144,8 @@ impl<'a> AllTriangles<'a> {
         in_parallel_watched(self.surfaces.len(), "crossings", progress, of_surface).ok_or(TrimError::Cancelled)
     }
 
-    /// The edges of each surface when others have taken the place of some. Edges of the others that passed through nothing still pass
-    /// through none of the surfaces that stay: they are looked at beside those that changed alone.
+    /// The edges of each surface when some surfaces have been replaced. An edge of a surface that stays, and that passed through nothing before,
+    /// passes through no other surface that stays: it is compared with the replacements alone.
     pub(super) fn crossings_with(
         &self,
         changed: &BTreeMap<usize, TrimmedSheet>,
@@ -153,11 +153,8 @@ impl<'a> AllTriangles<'a> {
         progress: ProgressFn,
     ) -> Result<Vec<SurfaceEdges>, TrimError> {
         changed.values().try_for_each(|sheet| check(Input::Sheet, &sheet.vertices, &sheet.triangles))?;
-        fn of_sheet(sheet: &TrimmedSheet) -> SurfaceSlices<'_> {
-            (&sheet.vertices, &sheet.triangles)
-        }
-        let surfaces: Vec<SurfaceSlices> =
-            self.surfaces.iter().enumerate().map(|(k, old)| changed.get(&k).map_or(*old, of_sheet)).collect();
+        let surface = |(k, old): (usize, &SurfaceSlices<'a>)| changed.get(&k).map_or(*old, TrimmedSheet::slices);
+        let surfaces: Vec<SurfaceSlices> = self.surfaces.iter().enumerate().map(surface).collect();
         let new = AllTriangles::of(&surfaces, |surface| changed.contains_key(&surface))?;
         let of_surface = |surface: usize, _: ProgressFn| {
             let (points, triangles) = surfaces[surface];
@@ -275,7 +272,7 @@ mod tests {
         #[test]
         fn what_changes_is_counted_as_if_all_were(
             mut sheets in prop::collection::vec(sheet(), 1..6),
-            others in prop::collection::btree_map(0_usize..6, sheet(), 0..4),
+            others in prop::collection::btree_map(0_usize..6, prop_oneof![sheet(), Just(TrimmedSheet::default())], 0..4),
         ) {
             let silent = |_| ControlFlow::Continue(());
             let others: BTreeMap<usize, TrimmedSheet> = others.into_iter().filter(|(k, _)| *k < sheets.len()).collect();
@@ -286,5 +283,33 @@ mod tests {
             others.into_iter().for_each(|(k, other)| sheets[k] = other);
             prop_assert_eq!(found, count_crossings(&slices(&sheets), &silent).unwrap());
         }
+    }
+
+    /// Three triangles, of which the first passes through both others; nothing is left of one of them, or of all.
+    #[test]
+    fn a_sheet_of_which_nothing_is_left_crosses_nothing() {
+        let silent = |_| ControlFlow::Continue(());
+        let triangle = |corners: [[f64; 3]; 3]| TrimmedSheet {
+            vertices: corners.map(Point3::from).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..TrimmedSheet::default()
+        };
+        let level = |z: f64| triangle([[-9.0, -9.0, z], [9.0, -9.0, z], [0.0, 9.0, z]]);
+        let sheets = [triangle([[0.0, 0.0, -1.0], [1.0, 0.0, 3.0], [0.0, 1.0, 3.0]]), level(0.0), level(1.0)];
+        let surfaces = slices(&sheets);
+        let all = AllTriangles::checked(&surfaces).unwrap();
+        let before = all.crossings(&silent).unwrap();
+        let left_without = |gone: &[usize]| {
+            let changed = gone.iter().map(|&sheet| (sheet, TrimmedSheet::default())).collect();
+            let found = counted(&all.crossings_with(&changed, &before, &silent).unwrap());
+            [found.edges, found.crossing]
+        };
+        // The two upright edges of the first triangle.
+        assert_eq!(left_without(&[]), [9, 2]);
+        assert_eq!(left_without(&[1]), [6, 2]);
+        assert_eq!(left_without(&[2]), [6, 2]);
+        assert_eq!(left_without(&[1, 2]), [3, 0]);
+        assert_eq!(left_without(&[0]), [6, 0]);
+        assert_eq!(left_without(&[0, 1, 2]), [0, 0]);
     }
 }

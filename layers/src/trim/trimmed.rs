@@ -82,7 +82,14 @@ pub enum BoundaryKind {
     Hole,
 }
 
+impl TrimmedSheet {
+    /// Its points and triangles as plain slices.
+    pub(super) fn slices(&self) -> SurfaceSlices<'_> {
+        (&self.vertices, &self.triangles)
+    }
+}
+
 /// Sheets as plain slices.
 pub(crate) fn slices(sheets: &[TrimmedSheet]) -> Vec<SurfaceSlices<'_>> {
-    sheets.iter().map(|sheet| (&sheet.vertices[..], &sheet.triangles[..])).collect()
+    sheets.iter().map(TrimmedSheet::slices).collect()
 }

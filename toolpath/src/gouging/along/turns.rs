@@ -257,3 +257,142 @@ impl Walker<'_> {
         is_free(last) && is_free(step) && self.is_free_between(&Step { before, ..*last }, step)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gouging::Nozzle;
+    use crate::gouging::deepest::Scene;
+    use crate::layer::{BuiltLayer, DirectionHints, LayerStack};
+    use crate::orientation::ToolPath;
+    use crate::path::BeadKind;
+    use nalgebra::{Point3, Vector3};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    const COUNT: u32 = 40;
+
+    /// What a comparison has seen: pairs that were kept and pairs that were turned in vain.
+    #[derive(Debug, Default)]
+    struct Seen {
+        kept: usize,
+        undone: usize,
+    }
+
+    /// Slow twin of [`Walker::meet`]: all steps are copied before each pair, and step 2 asks all of them.
+    fn meet_by_copies(walker: &mut Walker, seen: &mut Seen) -> bool {
+        let mut cuts = cuts_by_all_turns(walker);
+        for k in cuts.clone() {
+            let before = walker.steps.clone();
+            if walker.meet_at(k) {
+                (k + 1..walker.steps.len()).for_each(|k| walker.follow(k - 1, k));
+                (1..k).rev().for_each(|k| walker.follow(k, k - 1));
+            }
+            let now = cuts_by_all_turns(walker);
+            if now.len() < cuts.len() {
+                seen.kept += 1;
+                cuts = now;
+            } else {
+                let is_turned = |(old, new): (&Step, &Step)| old.waypoint.axis != new.waypoint.axis;
+                seen.undone += usize::from(before.iter().zip(&walker.steps).any(is_turned));
+                walker.steps = before;
+            }
+        }
+        seen.kept > 0
+    }
+
+    /// Slow twin of [`Walker::cuts`]: each turn of each window is measured.
+    fn cuts_by_all_turns(walker: &Walker) -> Vec<usize> {
+        let GougingOptions { max_turn, max_turn_per_mm: per_mm, .. } = *walker.options;
+        let way = |k: usize| (walker.steps[k].waypoint.position - walker.steps[k - 1].waypoint.position).norm();
+        let excess = |k: usize| walker.turn(k - 1, k) - per_mm * way(k);
+        let (mut cuts, mut piece, mut k) = (Vec::new(), 0, 1);
+        while k < walker.steps.len() {
+            let mut length = 0.0;
+            let mut ended = false;
+            let sharp = (piece..k).rev().find(|&from| {
+                let is_in = !ended;
+                length += way(from + 1);
+                ended |= length >= WINDOW_MM;
+                let limit = per_mm * f64::max(length, WINDOW_MM);
+                let limit = if from + 1 == k { limit.min(max_turn) } else { limit };
+                is_in && walker.turn(from, k) > limit + TURN_ROUNDING
+            });
+            if let Some(from) = sharp {
+                let sharpest = (from + 1..=k).max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
+                piece = sharpest.unwrap_or(k);
+                cuts.push(piece);
+                k = piece;
+            }
+            k += 1;
+        }
+        cuts
+    }
+
+    /// Walls of random heights on both sides of the x axis.
+    fn walls(draw: &mut Pcg64Mcg) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for side in [-1.0, 1.0] {
+            let first = vertices.len() as u32;
+            for k in 0..COUNT {
+                let high = 5.0 + 2.0 * draw.random::<f64>().powi(4);
+                vertices.extend([1.2, 2.8].map(|y| Point3::new(0.5 * f64::from(k), side * y, high)));
+            }
+            let quad = |k: u32| [first + 2 * k, first + 2 * k + 1, first + 2 * k + 2, first + 2 * k + 3];
+            let halves =
+                |[a, b, c, d]: [u32; 4]| if side < 0.0 { [[a, d, b], [a, c, d]] } else { [[a, b, d], [a, d, c]] };
+            triangles.extend((0..COUNT - 1).map(quad).flat_map(halves));
+        }
+        (vertices, triangles)
+    }
+
+    /// A path along the x axis whose directions wander and jump.
+    fn path(draw: &mut Pcg64Mcg) -> ToolPath {
+        let (mut x, mut lean) = (0.0, [0.0; 2]);
+        let waypoints = (0..COUNT).map(|_| {
+            x += 0.1 + 0.6 * draw.random::<f64>();
+            let by = if draw.random::<f64>() < 0.1 { 1.0 } else { 0.1 };
+            lean = lean.map(|lean: f64| (lean + by * (draw.random::<f64>() - 0.5)).clamp(-0.8, 0.8));
+            Waypoint {
+                position: Point3::new(x, 0.0, 5.0),
+                axis: UnitVector3::new_normalize(Vector3::new(lean[0], lean[1], 1.0)),
+                width: 0.5,
+                height: 0.4,
+                arc: x,
+                added: false,
+                lift: Vector3::zeros(),
+                kind: BeadKind::Solid,
+            }
+        });
+        ToolPath { layer: 0, curve: 0, closed: false, waypoints: waypoints.collect() }
+    }
+
+    #[test]
+    fn directions_meet_as_if_all_steps_were_copied() {
+        let (mut kept, mut undone, mut stuck) = (0, 0, 0);
+        for seed in 0..100 {
+            let draw = &mut Pcg64Mcg::seed_from_u64(seed);
+            let (vertices, triangles) = walls(draw);
+            let spacing = vec![0.4; triangles.len()];
+            let layers = [BuiltLayer { vertices: &vertices, triangles: &triangles, spacing: &spacing, curves: &[] }];
+            let stack = LayerStack::new(&layers).unwrap();
+            let nozzle = Nozzle::default();
+            let scene = Scene::new(&stack, &stack.keys, &nozzle, None);
+            let max_turn_per_mm = 0.1 + 0.3 * draw.random::<f64>();
+            let options = GougingOptions { max_turn_per_mm, max_tilt: 1.0, ..GougingOptions::default() };
+            let hints = DirectionHints::default();
+            let mut walker = Walker::new(&scene, &path(draw), 5, &options, &hints);
+            walker.tilt();
+            stuck += usize::from(walker.steps.iter().any(|step| step.stuck));
+            let axes = |walker: &Walker| walker.steps.iter().map(|step| step.waypoint.axis).collect::<Vec<_>>();
+            let given = walker.steps.clone();
+            let mut seen = Seen::default();
+            let any = meet_by_copies(&mut walker, &mut seen);
+            let expected = axes(&walker);
+            walker.steps = given;
+            assert_eq!((walker.meet(), axes(&walker)), (any, expected), "seed {seed}");
+            (kept, undone) = (kept + seen.kept, undone + seen.undone);
+        }
+        assert!(kept > 100 && undone > 200 && stuck > 50, "{kept} {undone} {stuck}");
+    }
+}
