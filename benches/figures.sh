@@ -36,8 +36,8 @@ planar() {
     --fill-density 100% --fill-pattern rectilinear --output "$out/planar.gcode" "$1"
 }
 
-echo '| model | waypoints | user seconds | microseconds a waypoint | gouging, clock | orientation, clock | gouging waypoints | left out, mm | laid, mm3 | starts | planar slicer, user seconds |'
-echo '|---|---|---|---|---|---|---|---|---|---|---|'
+echo '| model | waypoints | user seconds | microseconds a waypoint | gouging waypoints | left out, mm | laid, mm3 | curves | planar slicer, user seconds |'
+echo '|---|---|---|---|---|---|---|---|---|'
 for model in "$@"; do
   mesh=$folder/$model.stl
   flat=$(planar "$mesh")
@@ -45,7 +45,6 @@ for model in "$@"; do
     --threads "${THREADS:-1}" --quiet --out "$out/run")
   waypoints=$(figure waypoints)
   each=$(awk -v s="$seconds" -v n="$waypoints" 'BEGIN { printf "%.0f", 1e6 * s / n }')
-  printf '| %s | %s | %.1f | %s | %.1f | %.1f | %s | %.0f | %.0f | %s | %s |\n' "$model" "$waypoints" "$seconds" "$each" "$(figure gouging_s)" \
-    "$(awk -v o="$(figure orientation_s)" -v g="$(figure gouging_s)" 'BEGIN { print o - g }')" "$(figure gouging_waypoints)" \
+  printf '| %s | %s | %.1f | %s | %s | %.0f | %.0f | %s | %s |\n' "$model" "$waypoints" "$seconds" "$each" "$(figure gouging_waypoints)" \
     "$(figure left_out_mm)" "$(figure extruded_mm3)" "$(figure curves)" "$flat"
 done
