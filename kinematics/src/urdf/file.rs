@@ -46,7 +46,9 @@ pub(super) fn read(text: &str) -> Result<File, UrdfError> {
     let document = Document::parse(text).map_err(|error| {
         let at = error.pos();
         let (what, place) = (error.to_string(), format!(" at {}:{}", at.row, at.col));
-        UrdfError::Xml { line: at.row, column: at.col, what: what.replace(&place, "") }
+        // The parser quotes the end of a line as it is.
+        let what = what.replace(&place, "").replace('\n', "\\n").replace('\r', "\\r");
+        UrdfError::Xml { line: at.row, column: at.col, what }
     })?;
     let robot = document.root_element();
     if robot.tag_name().name() != "robot" {

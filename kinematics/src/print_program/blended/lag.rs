@@ -38,14 +38,23 @@ pub(super) fn advance(samples: &mut [Sample], lag_s: f64) {
     }
 }
 
-/// The sample of a travel at which the extruder of the segment behind it is switched on, and what is asked for by the end of the travel, in mm; `None` without a lag.
-///
-/// It is the last one that is early enough, else the first one.
-pub(super) fn early(travel: &[Sample], prints: &[Sample], options: &BlendOptions) -> Option<(usize, f64)> {
+/// What comes before the end of a travel for the segment behind it.
+pub(super) struct Early {
+    /// The sample of the travel at which the extruder is switched on: the last one that is early enough, else the first one.
+    pub at: usize,
+    /// Filament that is asked for by the end of the travel, in mm.
+    pub filament_mm: f64,
+    /// The lag of the segment.
+    pub lag_s: f64,
+}
+
+/// `None` without a lag.
+pub(super) fn early(travel: &[Sample], prints: &[Sample], options: &BlendOptions) -> Option<Early> {
     let lag_s = if prints.len() > 1 { of(prints, options) } else { 0.0 };
     (lag_s > 0.0).then(|| {
         let end_s = travel[travel.len() - 1].time_s;
-        let cut = travel.iter().rposition(|sample| sample.time_s <= end_s - lag_s).unwrap_or(0);
-        (cut, (laid(prints, prints[0].time_s + lag_s) - prints[0].filament_mm).max(0.0))
+        let at = travel.iter().rposition(|sample| sample.time_s <= end_s - lag_s).unwrap_or(0);
+        let filament_mm = (laid(prints, prints[0].time_s + lag_s) - prints[0].filament_mm).max(0.0);
+        Early { at, filament_mm, lag_s }
     })
 }

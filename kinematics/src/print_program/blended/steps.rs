@@ -112,15 +112,15 @@ impl<const N: usize, const F: usize, W: Workcell<N, F>> Blended<'_, N, F, W> {
         }
         // A segment that has no pose gives no steps: no signals for it either.
         let next = next.filter(|next| next.prints).and_then(|next| next.samples.as_deref());
-        let Some((cut, filament_mm)) = next.and_then(|next| lag::early(&samples, next, options)) else {
+        let Some(early) = next.and_then(|next| lag::early(&samples, next, options)) else {
             travel(workcell, &knots, &samples, options, &mut steps);
             return steps;
         };
-        travel(workcell, &knots[..=cut], &samples[..=cut], options, &mut steps);
+        travel(workcell, &knots[..=early.at], &samples[..=early.at], options, &mut steps);
         let mut last = Vec::new();
         // From rest to rest it may take longer than the lag: the filament is as much slower.
-        let seconds = travel(workcell, &knots[cut..], &samples[cut..], options, &mut last);
-        steps.extend([Step::Extruder(true), Step::FilamentSpeed(filament_mm / seconds.max(options.lag_s))]);
+        let seconds = travel(workcell, &knots[early.at..], &samples[early.at..], options, &mut last);
+        steps.extend([Step::Extruder(true), Step::FilamentSpeed(early.filament_mm / seconds.max(early.lag_s))]);
         self.is_on = true;
         steps.extend(last);
         steps
