@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 /// than rounding, and less than shows in a pose (1e-7 mm at a metre).
 pub(crate) const ON_STOP: f64 = 1e-10;
 
-/// Bounds of `N` joints, radians and seconds; infinite where there is none. All joints are weighed alike, and whole turns are added to angles: a joint that slides is to be given in
-/// a unit that moves the tool about as far as a radian of the others does, between stops that are less than three of it apart.
+/// Bounds of `N` joints, radians and seconds; infinite where there is none. All joints count alike, and whole turns are added to angles: give a
+/// prismatic joint in a unit that moves the tool about as far as a radian of the others does, with stops that are less than three units apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bounds<const N: usize> {

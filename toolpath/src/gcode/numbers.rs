@@ -15,6 +15,21 @@ pub(super) fn checksum(bytes: &[u8]) -> u8 {
     bytes.iter().fold(0, |sum, byte| sum ^ byte)
 }
 
+/// The number that lines count from after a line with `M110`, if it has that command: `Some(None)` where no number stands behind it.
+pub(super) fn counted_from(words: &[u8], prefix: &str) -> Option<Option<f64>> {
+    let (command, rest) = words.split_at_checked(4)?;
+    if !command.eq_ignore_ascii_case(b"M110") || rest.first().is_some_and(u8::is_ascii_alphanumeric) {
+        return None;
+    }
+    let number = || {
+        let (start, rest) = rest.trim_ascii_start().split_at_checked(prefix.len())?;
+        let digits = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
+        let is_prefix = start.eq_ignore_ascii_case(prefix.as_bytes());
+        std::str::from_utf8(&rest[..digits]).ok().filter(|_| is_prefix)?.parse().ok()
+    };
+    Some(number())
+}
+
 impl Numbers {
     /// Whole lines, with numbers and checksums.
     pub fn number(&mut self, text: &[u8]) -> &[u8] {

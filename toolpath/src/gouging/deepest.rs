@@ -107,6 +107,17 @@ pub(super) struct Seeker<'a> {
     any: bool,
 }
 
+/// A triangle as the nozzle sees it.
+struct Seen {
+    middle: Point3<f64>,
+    /// Height of the middle above the tip, and its distance from the axis.
+    z: f64,
+    rho: f64,
+    to_corners: [Vector3<f64>; 3],
+    /// How much higher the corners are than the middle, and how much farther out along the ray to it.
+    in_plane: [[f64; 2]; 3],
+}
+
 impl Seeker<'_> {
     /// Height of a point above the tip, its distance from the axis, and the direction to it from there. On the axis that
     /// is nowhere: the distance grows whichever way one goes.
@@ -120,10 +131,16 @@ impl Seeker<'_> {
 
     /// No point of a triangle has less clearance than this.
     pub fn least(&self, corners: &[Point3<f64>; 3], sway: &Sway) -> f64 {
+        let Seen { z, rho, in_plane, .. } = self.seen(corners);
+        self.nozzle.least_over(z, rho, sway, in_plane)
+    }
+
+    fn seen(&self, corners: &[Point3<f64>; 3]) -> Seen {
         let middle = centroid(corners);
         let (z, rho, out) = self.place(middle);
         let to_corners = corners.map(|corner| corner - middle);
-        self.nozzle.least_over(z, rho, sway, to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]))
+        let in_plane = to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]);
+        Seen { middle, z, rho, to_corners, in_plane }
     }
 
     /// Nor any point of the sheets in a box.
@@ -155,10 +172,7 @@ impl Seeker<'_> {
     fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
         let corners = base.map(|(corner, normal)| corner + normal * offset);
         let needed = self.stand.clearance(triangle.height);
-        let middle = centroid(&corners);
-        let (z, rho, out) = self.place(middle);
-        let to_corners = corners.map(|corner| corner - middle);
-        let in_plane = to_corners.map(|v| [v.dot(&self.direction), v.dot(&out)]);
+        let Seen { middle, z, rho, to_corners, in_plane } = self.seen(&corners);
         let least = self.nozzle.least_over(z, rho, &Sway::default(), in_plane) - needed;
         // No point of the piece is worse than the worst so far.
         if least >= self.bound {

@@ -443,8 +443,11 @@ fn commands_of_the_part() {
     // A direction behind a checksum.
     let numbers = LineNumbers { prefix: "N".into(), first: 0, step: 1, comments: false, checksum: true };
     let lines = LineRules { numbers: Some(numbers), max_length: 200, ..flavour("klipper").lines };
-    let comment = Flavour { direction: Direction::Comment, lines, ..flavour("klipper") };
+    let begin = vec!["M42 P0".into()];
+    let comment = Flavour { direction: Direction::Comment, lines, begin, ..flavour("klipper") };
     let (file, result) = written_part(&dome(), &comment, &quiet).unwrap();
+    // Firmware counts from `M110`: it comes first.
+    assert!(file.starts_with("N0 M110 N0*125\nN1 M42 P0*"), "{file}");
     assert!(file.contains(" X9.9 Y3 Z0.45 E0.11073 F1200*") && file.contains(" ;DIR:0.299983 0 0.953945\n"), "{file}");
     let reader = FlavourReader::new(file.as_bytes(), &comment, FlavourReadOptions::default()).unwrap();
     let leans = reader.map(Result::unwrap).filter_map(|item| crate::gcode_common::place(&item));
@@ -541,6 +544,12 @@ fn programs_that_cannot_be_read() {
     };
     assert_eq!(error(&numbered(&["N0 M110 N0", "N1 G28", "N2 G28"])), None);
     assert_eq!(error(&numbered(&["N7 G28", "N0 M110 N0", "N1 G28"])), None);
+    // The next line follows the number behind `M110`, whether its own line has one or not.
+    assert_eq!(error(&numbered(&["N7 G28", "N8 M110 N100", "N101 G28"])), None);
+    assert_eq!(error(&numbered(&["N7 G28", "M110 N100", "N101 G28"])), None);
+    assert_eq!(error(&numbered(&["N7 G28", "N3 M110", "N4 G28"])), None);
+    let skipped = Some("line 3: its number is 9, but 101 comes next".into());
+    assert_eq!(error(&numbered(&["N7 G28", "N8 M110 N100", "N9 G28"])), skipped);
     let lost = Some("line 3: its number is 3, but 2 comes next".into());
     assert_eq!(error(&numbered(&["N0 M110 N0", "N1 G28", "N3 G28"])), lost);
     assert_eq!(error("N3 G28*0"), Some("line 1, column 7: the checksum is 0, but that of the line is 16".into()));

@@ -7,7 +7,7 @@ use super::program::TIME;
 use super::words::NUMBER;
 use crate::gcode::direction::COMMENT;
 use crate::gcode::lines::Lines;
-use crate::gcode::numbers::checksum;
+use crate::gcode::numbers::{checksum, counted_from};
 use crate::gcode::{FILAMENT, Move, ReadError, within};
 use std::io::BufRead;
 
@@ -156,29 +156,32 @@ impl<R: BufRead> Blocks<R> {
         }
     }
 
-    /// Passes over the number that a line begins with. Where the flavour numbers lines, numbers ascend; those with checksums have each its next one, and
-    /// `M110` begins anew.
+    /// Passes over the number that a line begins with.
     fn number_of_line(&mut self) -> Result<(), ReadError> {
         self.lines.skip_spaces();
         let prefix = self.flavour.lines.numbers.as_ref().map_or("N", |numbers| &numbers.prefix).to_owned();
         let rest = self.lines.rest();
         let is_prefix = rest.len() >= prefix.len() && rest[..prefix.len()].eq_ignore_ascii_case(prefix.as_bytes());
+        let mut given = None;
         if is_prefix && rest.get(prefix.len()).is_some_and(u8::is_ascii_digit) {
             self.lines.skip(prefix.len());
-            let given = self.lines.number()?;
+            given = Some(self.lines.number()?);
             self.lines.skip_spaces();
-            self.follow_number(given)?;
         }
-        Ok(())
+        self.follow_number(given)
     }
 
-    fn follow_number(&mut self, given: f64) -> Result<(), ReadError> {
+    /// Where the flavour numbers lines, numbers ascend. With checksums each is one step above the one before, and `M110` sets the number that lines
+    /// count from: the one behind it, else that of its line.
+    fn follow_number(&mut self, given: Option<f64>) -> Result<(), ReadError> {
         let Some(numbers) = &self.flavour.lines.numbers else { return Ok(()) };
-        let rest = self.lines.rest();
-        let begins_anew = rest.len() >= 4 && rest[..4].eq_ignore_ascii_case(b"M110");
-        let before = self.number.replace(given).filter(|_| !begins_anew);
+        if let Some(from) = counted_from(self.lines.rest(), &numbers.prefix).filter(|_| numbers.checksum) {
+            self.number = from.or(given).or(self.number);
+            return Ok(());
+        }
+        let Some(given) = given else { return Ok(()) };
         let line = self.lines.row();
-        match before {
+        match self.number.replace(given) {
             Some(before) if numbers.checksum && (given - before - numbers.step as f64).abs() > 0.0 => {
                 Err(ReadError::LineNumber { line, given, expected: before + numbers.step as f64 })
             }
@@ -352,8 +355,8 @@ impl<R: BufRead> Blocks<R> {
         let lists = [&f.begin, &f.heat_up, &f.modes, &f.tcp.on, &f.tcp.off, &f.cool_down, &f.end];
         let commands = [&c.home, &c.dwell, &c.nozzle_wait, &c.bed_wait, &c.tool, &c.press, &c.roller_wait, &c.cut];
         let without_comment = |line: &str| line.split(&f.comment.open).next().unwrap_or("").trim_end().to_owned();
-        let numbered = f.lines.numbers.as_ref().is_some_and(|numbers| numbers.checksum) && text.starts_with("M110 ");
-        numbered
+        let numbers = f.lines.numbers.as_ref().filter(|numbers| numbers.checksum);
+        numbers.is_some_and(|numbers| counted_from(text.as_bytes(), &numbers.prefix).is_some())
             || lists.into_iter().chain(commands).flatten().any(|line| value_in(text, &without_comment(line)).is_some())
     }
 

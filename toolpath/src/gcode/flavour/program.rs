@@ -85,15 +85,16 @@ impl<'a, W: Write> Program<'a, W> {
     /// All lines before the first move.
     pub fn begin(&mut self, title: &str) -> Result<(), WriteError> {
         let flavour = self.flavour;
+        // Before any other line: firmware counts from the number behind `M110`.
+        if let Some(numbers) = flavour.lines.numbers.as_ref().filter(|numbers| numbers.checksum) {
+            self.output.line(&format!("M110 {}{}", numbers.prefix, numbers.first))?;
+        }
         self.texts("begin", &flavour.begin)?;
         self.output.comment(title)?;
         if self.has_tags() {
             for line in self.options.tags.title().into_iter().flat_map(str::lines) {
                 self.output.raw_comment(line)?;
             }
-        }
-        if let Some(numbers) = flavour.lines.numbers.as_ref().filter(|numbers| numbers.checksum) {
-            self.output.line(&format!("M110 {}{}", numbers.prefix, numbers.first))?;
         }
         match self.options.start {
             Some(text) => self.own_texts("start", text)?,
