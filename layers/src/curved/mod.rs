@@ -32,7 +32,8 @@ pub mod surface;
 mod unbuild;
 
 pub use audit::{
-    AuditError, AuditReport, Fault, FaultCounts, JudgedByNozzle, ProofError, audit, audit_with_nozzle, check_impossible,
+    AuditError, AuditReport, Fault, FaultCounts, JudgedByNozzle, ProofError, audit, audit_listing, audit_with_nozzle,
+    check_impossible,
 };
 pub use buildable::platform::{Platform, PlatformError};
 pub use buildable::rules::{Neighbours, Rules, RulesError};

@@ -181,10 +181,15 @@ impl AuditReport {
         self.faults.is_empty() && self.cells == self.in_layers + self.missed
     }
 
-    fn add(&mut self, count: impl FnOnce(&mut FaultCounts) -> &mut usize, fault: impl FnOnce() -> Fault) {
+    fn add(
+        &mut self,
+        listed: usize,
+        count: impl FnOnce(&mut FaultCounts) -> &mut usize,
+        fault: impl FnOnce() -> Fault,
+    ) {
         let count = count(&mut self.counts);
         *count += 1;
-        if *count <= LISTED_FAULTS {
+        if *count <= listed {
             let fault = fault();
             if let Fault::Inside { depth, .. } = fault {
                 self.max_depth = self.max_depth.max(depth);
@@ -294,7 +299,7 @@ pub fn audit(
     missed: &[u32],
     progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
-    audit_any(cells, platform, rules, None, order, missed, progress)
+    audit_any(cells, platform, rules, None, (order, missed), LISTED_FAULTS, progress)
 }
 
 /// Checks an order of `cells` some of which are judged by the nozzle that prints them, in place of the hull rule: it must stand so that it
@@ -332,7 +337,46 @@ pub fn audit_with_nozzle(
     missed: &[u32],
     progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
-    audit_any(cells, platform, rules, Some(judged), order, missed, progress)
+    audit_any(cells, platform, rules, Some(judged), (order, missed), LISTED_FAULTS, progress)
+}
+
+/// The same as [`audit_with_nozzle`], with a list of up to `listed` faults of each kind instead of 20: for orders of others, in which each fault is to be
+/// found again.
+///
+/// # Arguments
+/// * `built`: the layers, and the cells of the solid that are in no layer.
+///
+/// # Errors
+/// As [`audit_with_nozzle`].
+///
+/// # Cost
+/// That of [`audit_with_nozzle`], and for each cell inside the hull that is listed its depth, which takes microseconds to milliseconds.
+///
+/// # Example
+/// ```
+/// use curvlay_layers::cells::{Cells, LayerOrder};
+/// use curvlay_layers::curved::{JudgedByNozzle, NozzleRule, Platform, Rules, audit_listing};
+/// let cells = Cells::new([1, 1, 50], &[1; 50])?; // a column whose upper half comes first
+/// let platform = Platform::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])?;
+/// let mut order = LayerOrder::new();
+/// order.push(25..50);
+/// order.push(0..25);
+/// let judged = JudgedByNozzle { rule: NozzleRule::default(), cell_mm: 1.0, steps: 1, cells: &[] };
+/// let (rules, built) = (Rules::default(), (&order, &[][..]));
+/// let report = audit_listing(&cells, &platform, &rules, &judged, built, 1000, &|_| std::ops::ControlFlow::Continue(()))?;
+/// assert_eq!((report.counts.unsupported, report.faults.len() > 25), (49, true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn audit_listing(
+    cells: &Cells,
+    platform: &Platform,
+    rules: &Rules,
+    judged: &JudgedByNozzle,
+    built: (&LayerOrder, &[u32]),
+    listed: usize,
+    progress: ProgressFn,
+) -> Result<AuditReport, AuditError> {
+    audit_any(cells, platform, rules, Some(judged), built, listed, progress)
 }
 
 fn audit_any(
@@ -340,8 +384,8 @@ fn audit_any(
     platform: &Platform,
     rules: &Rules,
     judged: Option<&JudgedByNozzle>,
-    order: &LayerOrder,
-    missed: &[u32],
+    (order, missed): (&LayerOrder, &[u32]),
+    listed: usize,
     progress: ProgressFn,
 ) -> Result<AuditReport, AuditError> {
     rules.check(cells, platform)?;
@@ -355,7 +399,7 @@ fn audit_any(
     if let Some(&cell) = order.cells().iter().chain(missed).find(|&&cell| cell >= len) {
         return Err(AuditError::OutsideGrid { cell, len });
     }
-    let mut audit = Audit::new(cells, platform, rules, judged)?;
+    let mut audit = Audit::new(cells, platform, rules, judged, listed)?;
     audit.report.layers = order.len();
     audit.report.in_layers = order.cells().len();
     audit.report.missed = missed.len();
@@ -363,7 +407,7 @@ fn audit_any(
     let mut done = 0;
     for (layer, of_layer) in (1..).zip(order.iter()) {
         if of_layer.is_empty() {
-            audit.report.add(|counts| &mut counts.empty_layers, || Fault::EmptyLayer { layer });
+            audit.report.add(audit.max_listed, |counts| &mut counts.empty_layers, || Fault::EmptyLayer { layer });
         }
         for &cell in of_layer {
             if done % CELLS_PER_REPORT == 0 && progress(Progress { stage: "audit", done, total }).is_break() {
@@ -396,6 +440,8 @@ struct Audit<'a> {
     obstructions: Option<Obstructions>,
     /// Directions of the nozzle at cells that are still to come.
     directions: BTreeMap<u32, Vector3<f64>>,
+    /// Faults of each kind that are listed.
+    max_listed: usize,
     report: AuditReport,
 }
 
@@ -406,6 +452,7 @@ impl<'a> Audit<'a> {
         platform: &'a Platform,
         rules: &'a Rules,
         judged: Option<&'a JudgedByNozzle>,
+        listed: usize,
     ) -> Result<Self, AuditError> {
         let question = Question::of(rules, platform)?;
         let mut built = Bits::of(cells);
@@ -427,7 +474,11 @@ impl<'a> Audit<'a> {
         let mut directions = BTreeMap::new();
         for printed in judged.iter().flat_map(|judged| judged.cells) {
             if directions.insert(printed.cell, printed.direction.into_inner()).is_some() {
-                report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell: printed.cell });
+                report.add(
+                    listed,
+                    |counts| &mut counts.stray_directions,
+                    || Fault::StrayDirection { cell: printed.cell },
+                );
             }
         }
         Ok(Audit {
@@ -441,6 +492,7 @@ impl<'a> Audit<'a> {
             body,
             obstructions,
             directions,
+            max_listed: listed,
             report,
         })
     }
@@ -449,18 +501,18 @@ impl<'a> Audit<'a> {
     fn judge(&mut self, cell: u32, layer: u32) {
         let place = self.cells.position(cell);
         if !self.cells.contains(place) {
-            self.report.add(|counts| &mut counts.not_solid, || Fault::NotSolid { cell, layer });
+            self.report.add(self.max_listed, |counts| &mut counts.not_solid, || Fault::NotSolid { cell, layer });
             return;
         }
         if !self.listed.insert(place) {
-            self.report.add(|counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
+            self.report.add(self.max_listed, |counts| &mut counts.repeated, || Fault::Repeated { cell, layer });
             return;
         }
         // By what earlier layers have built, `built`, not by what this layer lists.
         let is_supported = stands_on(self.corners, place, self.rules.flat)
             || self.support.iter().any(|&step| self.built.contains_at(place, step));
         if !is_supported {
-            self.report.add(|counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
+            self.report.add(self.max_listed, |counts| &mut counts.unsupported, || Fault::Unsupported { cell, layer });
         }
         // The nozzle judges in place of the hull rule. What stays in `directions` belongs to no cell that is built.
         if let (Some(direction), Some(obstructions)) = (self.directions.remove(&cell), &self.obstructions) {
@@ -470,15 +522,15 @@ impl<'a> Audit<'a> {
                     Meets::Plate => Fault::NozzleMeetsPlate { cell, layer },
                     Meets::Limit => Fault::NozzleLeans { cell, layer },
                 };
-                self.report.add(|counts| &mut counts.nozzle, fault);
+                self.report.add(self.max_listed, |counts| &mut counts.nozzle, fault);
             }
             return;
         }
         let centre = place.map(|k| 2 * i64::from(k) + 1);
-        let Audit { depths, body, report, .. } = self;
+        let Audit { depths, body, report, max_listed, .. } = self;
         if depths.is_inside(body, centre) {
             let fault = || Fault::Inside { cell, layer, depth: depths.depth(body, centre) };
-            report.add(|counts| &mut counts.inside, fault);
+            report.add(*max_listed, |counts| &mut counts.inside, fault);
         }
     }
 
@@ -495,25 +547,26 @@ impl<'a> Audit<'a> {
 
     /// Judges the list of missed cells after the last layer: each cell of the part is built or missed, and no other.
     fn judge_missed(&mut self, missed: &[u32]) {
-        let Audit { cells, built, directions, report, .. } = self;
+        let Audit { cells, built, directions, report, max_listed, .. } = self;
+        let listed = *max_listed;
         for &cell in directions.keys() {
-            report.add(|counts| &mut counts.stray_directions, || Fault::StrayDirection { cell });
+            report.add(listed, |counts| &mut counts.stray_directions, || Fault::StrayDirection { cell });
         }
         let mut missing = Bits::of(cells);
         for &cell in missed {
             let place = cells.position(cell);
             if !cells.contains(place) {
-                report.add(|counts| &mut counts.missed_not_solid, || Fault::MissedNotSolid { cell });
+                report.add(listed, |counts| &mut counts.missed_not_solid, || Fault::MissedNotSolid { cell });
             } else if !missing.insert(place) {
-                report.add(|counts| &mut counts.missed_twice, || Fault::MissedTwice { cell });
+                report.add(listed, |counts| &mut counts.missed_twice, || Fault::MissedTwice { cell });
             } else if built.contains(place) {
-                report.add(|counts| &mut counts.built_and_missed, || Fault::BuiltAndMissed { cell });
+                report.add(listed, |counts| &mut counts.built_and_missed, || Fault::BuiltAndMissed { cell });
             }
         }
         for cell in cells.iter() {
             let place = cells.position(cell);
             if !built.contains(place) && !missing.contains(place) {
-                report.add(|counts| &mut counts.lost, || Fault::Lost { cell });
+                report.add(listed, |counts| &mut counts.lost, || Fault::Lost { cell });
             }
         }
     }
