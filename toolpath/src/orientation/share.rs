@@ -45,9 +45,27 @@ const ROUNDING: f64 = 1e-9;
 /// A straight piece of a curve, with the bead on it.
 struct Piece {
     path: usize,
-    ends: [Point3<f64>; 2],
+    from: Point3<f64>,
+    /// From there to its end.
+    way: Vector3<f64>,
+    /// The square of its length.
+    square: f64,
     widths: [f64; 2],
     arcs: [f64; 2],
+}
+
+impl Piece {
+    fn new(path: usize, [from, to]: [Point3<f64>; 2], widths: [f64; 2], arcs: [f64; 2]) -> Piece {
+        let way = to - from;
+        Piece { path, from, way, square: way.norm_squared(), widths, arcs }
+    }
+
+    /// Square of the distance from a place, and how far along the closest point is, as a share.
+    fn closest(&self, place: Point3<f64>) -> (f64, f64) {
+        let share =
+            if self.square > 0.0 { ((place - self.from).dot(&self.way) / self.square).clamp(0.0, 1.0) } else { 0.0 };
+        ((self.from + self.way * share - place).norm_squared(), share)
+    }
 }
 
 /// The width of each waypoint of all paths of a layer, in millimetres.
@@ -58,12 +76,9 @@ pub(super) fn widths(stack: &LayerStack, paths: &[ToolPath]) -> Vec<f64> {
         let mut from = 0;
         while from + 1 < line.points.len() {
             let to = straight_to(&line, from);
-            pieces.push(Piece {
-                path,
-                ends: [from, to].map(|k| line.points[k]),
-                widths: [from, to].map(|k| line.widths[k]),
-                arcs: [from, to].map(|k| line.arcs[k]),
-            });
+            let ends = [from, to];
+            let (widths, arcs) = (ends.map(|k| line.widths[k]), ends.map(|k| line.arcs[k]));
+            pieces.push(Piece::new(path, ends.map(|k| line.points[k]), widths, arcs));
             from = to;
         }
     }
@@ -111,27 +126,26 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
     // Which pieces may get parts of which triangle.
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     let mut widest: f64 = 0.0;
-    for (number, Piece { ends: [from, to], widths, .. }) in (0..).zip(pieces) {
+    for (number, Piece { from, way, square, widths, .. }) in (0..).zip(pieces) {
         let width = widths[0].max(widths[1]);
         widest = widest.max(width);
-        let (middle, reach) = (nalgebra::center(from, to), ((to - from).norm() + width) / 2.0);
+        let (middle, reach) = (from + way * 0.5, (square.sqrt() + width) / 2.0);
         stack.tree.within(&stack.keys, middle, of_layer(layer), reach, |t| pairs.push((t as u32, number)));
     }
     pairs.sort_unstable();
-    let (mut of_triangle, mut of_block) = (Vec::new(), Vec::new());
+    let mut of_block = Vec::new();
     for pairs in pairs.chunk_by(|a, b| a.0 == b.0) {
         let triangle = &stack.tree.triangles()[pairs[0].0 as usize];
         let [a, b, c] = triangle.corners;
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         let parts = ((longest / (PART * widest)).ceil().max(1.0) as usize).min(MAX_PARTS);
         let area = triangle.normal().norm() / 2.0 / (parts * parts) as f64;
-        of_triangle.clear();
-        of_triangle.extend(pairs.iter().map(|&(_, number)| number));
+        let of_triangle = || pairs.iter().map(|&(_, number)| &pieces[number as usize]);
         // All parts of a triangle are as large, so their order makes no difference to what a bead gets.
         for block in Block::of([a, b, c], parts) {
-            block.concerned(pieces, &of_triangle, &mut of_block);
+            block.concerned(of_triangle(), &mut of_block);
             for middle in block.middles() {
-                if let Some((path, arc)) = nearest(pieces, &of_block, middle) {
+                if let Some((path, arc)) = nearest(of_block.iter().map(|candidate| candidate.piece), middle) {
                     each(path, arc, area);
                 }
             }
@@ -140,16 +154,22 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
 }
 
 /// The first of the nearest pieces whose bead reaches a place: its path, and how far along that.
-fn nearest(pieces: &[Piece], among: &[u32], place: Point3<f64>) -> Option<(usize, f64)> {
+fn nearest<'p>(among: impl Iterator<Item = &'p Piece>, place: Point3<f64>) -> Option<(usize, f64)> {
     let mut best = (f64::INFINITY, None);
-    for &number in among {
-        let Piece { path, ends: [from, to], widths, arcs } = &pieces[number as usize];
-        let (square, share) = to_segment(place, *from, *to);
-        if square < best.0 && square <= ((widths[0] + (widths[1] - widths[0]) * share) / 2.0).powi(2) {
-            best = (square, Some((*path, arcs[0] + (arcs[1] - arcs[0]) * share)));
+    for piece in among {
+        let (square, share) = piece.closest(place);
+        let [one, other] = piece.widths;
+        if square < best.0 && square <= ((one + (other - one) * share) / 2.0).powi(2) {
+            best = (square, Some((piece, share)));
         }
     }
-    best.1
+    best.1.map(|(Piece { path, arcs, .. }, share)| (*path, arcs[0] + (arcs[1] - arcs[0]) * share))
+}
+
+/// A piece that may get a part of a block, and the least distance at which it may be.
+struct Candidate<'p> {
+    piece: &'p Piece,
+    least: f64,
 }
 
 /// Some of the like parts of a triangle with `parts` along each side: from places (`i`, `j`) along its sides on, [`BLOCK`] each way.
@@ -169,27 +189,25 @@ impl Block {
 
     /// Of some pieces those that may get a part of the block, in their order. A piece gets none where another is nearer all over the block
     /// and reaches all of it.
-    fn concerned(&self, pieces: &[Piece], among: &[u32], concerned: &mut Vec<u32>) {
+    fn concerned<'p>(&self, among: impl Iterator<Item = &'p Piece>, concerned: &mut Vec<Candidate<'p>>) {
         let [u, v] = self.sides;
         let half = BLOCK as f64 / 2.0;
         let middle = self.corner + u * (self.from[0] as f64 + half) + v * (self.from[1] as f64 + half);
         let radius = (u + v).norm().max((u - v).norm()) * half * (1.0 + ROUNDING);
         concerned.clear();
         let mut farthest = f64::INFINITY;
-        let reaches = |number: u32| {
-            let Piece { ends: [from, to], widths: [one, other], .. } = &pieces[number as usize];
-            (to_segment(middle, *from, *to).0.sqrt(), one.min(*other) / 2.0, one.max(*other) / 2.0)
-        };
-        for &number in among {
-            let (distance, always, ever) = reaches(number);
-            if distance + radius < always {
+        for piece in among {
+            let [one, other] = piece.widths;
+            let distance = piece.closest(middle).0.sqrt();
+            let least = distance - radius;
+            if distance + radius < one.min(other) / 2.0 {
                 farthest = farthest.min(distance + radius);
             }
-            if distance - radius <= ever * (1.0 + ROUNDING) {
-                concerned.push(number);
+            if least <= one.max(other) / 2.0 * (1.0 + ROUNDING) {
+                concerned.push(Candidate { piece, least });
             }
         }
-        concerned.retain(|&number| reaches(number).0 - radius <= farthest);
+        concerned.retain(|candidate| candidate.least <= farthest);
     }
 
     /// The middles of its parts.
@@ -232,15 +250,15 @@ mod tests {
         ) {
             let piece = |(path, (from, way, one, other)): (usize, &Line)| {
                 let from = Point3::from(*from);
-                Piece { path, ends: [from, from + Vector3::from(*way)], widths: [*one, *other], arcs: [0.0, 1.0] }
+                Piece::new(path, [from, from + Vector3::from(*way)], [*one, *other], [0.0, 1.0])
             };
             let pieces: Vec<Piece> = ends.iter().enumerate().map(piece).collect();
-            let all: Vec<u32> = (0..pieces.len() as u32).collect();
             let (mut concerned, mut count) = (Vec::new(), 0);
             for block in Block::of(corners.map(Point3::from), parts) {
-                block.concerned(&pieces, &all, &mut concerned);
+                block.concerned(pieces.iter(), &mut concerned);
                 for middle in block.middles() {
-                    prop_assert_eq!(nearest(&pieces, &concerned, middle), nearest(&pieces, &all, middle));
+                    let of_block = concerned.iter().map(|candidate| candidate.piece);
+                    prop_assert_eq!(nearest(of_block, middle), nearest(pieces.iter(), middle));
                     count += 1;
                 }
             }
