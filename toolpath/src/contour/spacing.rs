@@ -125,9 +125,14 @@ impl<'f, 'd> Spacing<'f, 'd> {
 
     /// The distance of a ring's level for a number of rings and a ridge, and the width of its bead.
     fn place(&self, level: usize, rings: f64, ridge: f64) -> [f64; 2] {
-        let fewer = rings.floor();
-        let [one, other] = [fewer, fewer + 1.0].map(|rings| place(level, rings, ridge / self.bead));
-        [0, 1].map(|k| self.bead * (one[k] + (other[k] - one[k]) * (rings - fewer)))
+        let (fewer, ridge) = (rings.floor(), ridge / self.bead);
+        let (share, one) = (rings - fewer, place(level, fewer, ridge));
+        // Mostly a whole number of rings fits.
+        if share <= 0.0 {
+            return one.map(|value| self.bead * value);
+        }
+        let other = place(level, fewer + 1.0, ridge);
+        [0, 1].map(|k| self.bead * (one[k] + (other[k] - one[k]) * share))
     }
 
     /// The refined triangle that has a point, and weights of its corners.
