@@ -133,7 +133,7 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
         stack.tree.within(&stack.keys, middle, of_layer(layer), reach, |t| pairs.push((t as u32, number)));
     }
     pairs.sort_unstable();
-    let mut of_block = Vec::new();
+    let (mut of_block, mut parts_of_block) = (Vec::new(), Parts::new());
     for pairs in pairs.chunk_by(|a, b| a.0 == b.0) {
         let triangle = &stack.tree.triangles()[pairs[0].0 as usize];
         let [a, b, c] = triangle.corners;
@@ -144,26 +144,73 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
         // All parts of a triangle are as large, so their order makes no difference to what a bead gets.
         for block in Block::of([a, b, c], parts) {
             block.concerned(of_triangle(), &mut of_block);
-            for middle in block.middles() {
-                if let Some((path, arc)) = nearest(of_block.iter().map(|candidate| candidate.piece), middle) {
-                    each(path, arc, area);
-                }
+            parts_of_block.fill(&block);
+            of_block.iter().enumerate().for_each(|(number, candidate)| parts_of_block.offer(number, candidate.piece));
+            for (number, share) in parts_of_block.taken() {
+                let Piece { path, arcs, .. } = of_block[number].piece;
+                each(*path, arcs[0] + (arcs[1] - arcs[0]) * share, area);
             }
         }
     }
 }
 
-/// The first of the nearest pieces whose bead reaches a place: its path, and how far along that.
-fn nearest<'p>(among: impl Iterator<Item = &'p Piece>, place: Point3<f64>) -> Option<(usize, f64)> {
-    let mut best = (f64::INFINITY, None);
-    for piece in among {
-        let (square, share) = piece.closest(place);
-        let [one, other] = piece.widths;
-        if square < best.0 && square <= ((one + (other - one) * share) / 2.0).powi(2) {
-            best = (square, Some((piece, share)));
+/// Most parts of a block.
+const MAX_BLOCK: usize = 2 * BLOCK * BLOCK;
+
+/// The parts of a block, and the first of the nearest pieces whose bead reaches the middle of each. Coordinate by coordinate, so that a piece is
+/// measured from several middles at once.
+struct Parts {
+    count: usize,
+    middles: [[f64; MAX_BLOCK]; 3],
+    /// Square of the distance of the piece that has each part; infinite where none has.
+    squares: [f64; MAX_BLOCK],
+    pieces: [u64; MAX_BLOCK],
+    /// How far along its piece the closest point is.
+    shares: [f64; MAX_BLOCK],
+}
+
+impl Parts {
+    fn new() -> Parts {
+        let zeros = [0.0; MAX_BLOCK];
+        Parts { count: 0, middles: [zeros; 3], squares: zeros, pieces: [0; MAX_BLOCK], shares: zeros }
+    }
+
+    /// Makes these the parts of a block, which no piece has yet.
+    fn fill(&mut self, block: &Block) {
+        self.count = 0;
+        for middle in block.middles() {
+            (0..3).for_each(|k| self.middles[k][self.count] = middle[k]);
+            self.count += 1;
+        }
+        self.squares = [f64::INFINITY; MAX_BLOCK];
+    }
+
+    /// Gives a piece the parts that its bead reaches and to which it is nearer than those before.
+    fn offer(&mut self, number: usize, piece: &Piece) {
+        let Piece { from, way, square, widths: [one, other], .. } = piece;
+        // A piece without length has its start everywhere.
+        let square = if *square > 0.0 { *square } else { f64::INFINITY };
+        let [xs, ys, zs] = &self.middles;
+        for k in 0..self.count.min(MAX_BLOCK) {
+            let along = (xs[k] - from.x) * way.x + (ys[k] - from.y) * way.y + (zs[k] - from.z) * way.z;
+            let share = (along / square).clamp(0.0, 1.0);
+            let x = from.x + way.x * share - xs[k];
+            let y = from.y + way.y * share - ys[k];
+            let z = from.z + way.z * share - zs[k];
+            let distance = x * x + y * y + z * z;
+            let half = (one + (other - one) * share) / 2.0;
+            let takes = (distance < self.squares[k]) & (distance <= half * half);
+            self.squares[k] = if takes { distance } else { self.squares[k] };
+            self.pieces[k] = if takes { number as u64 } else { self.pieces[k] };
+            self.shares[k] = if takes { share } else { self.shares[k] };
         }
     }
-    best.1.map(|(Piece { path, arcs, .. }, share)| (*path, arcs[0] + (arcs[1] - arcs[0]) * share))
+
+    /// The number of the piece that has each part that has one, and the share along it.
+    fn taken(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let has = |&k: &usize| self.squares[k] < f64::INFINITY;
+        (0..self.count).filter(has).map(|k| (self.pieces[k] as usize, self.shares[k]))
+    }
 }
 
 /// A piece that may get a part of a block, and the least distance at which it may be.
@@ -240,6 +287,19 @@ mod tests {
     /// Where a piece begins, the way to its end, and its widths there.
     type Line = ([f64; 3], [f64; 3], f64, f64);
 
+    /// The first of the nearest pieces whose bead reaches a place: its path, and the share along it.
+    fn nearest(pieces: &[Piece], place: Point3<f64>) -> Option<(usize, f64)> {
+        let mut best = (f64::INFINITY, None);
+        for piece in pieces {
+            let (square, share) = piece.closest(place);
+            let [one, other] = piece.widths;
+            if square < best.0 && square <= ((one + (other - one) * share) / 2.0).powi(2) {
+                best = (square, Some((piece.path, share)));
+            }
+        }
+        best.1
+    }
+
     proptest! {
         /// Slow twin: each part of a triangle asks all pieces.
         #[test]
@@ -253,14 +313,15 @@ mod tests {
                 Piece::new(path, [from, from + Vector3::from(*way)], [*one, *other], [0.0, 1.0])
             };
             let pieces: Vec<Piece> = ends.iter().enumerate().map(piece).collect();
-            let (mut concerned, mut count) = (Vec::new(), 0);
+            let (mut concerned, mut parts_of_block, mut count) = (Vec::new(), Parts::new(), 0);
             for block in Block::of(corners.map(Point3::from), parts) {
                 block.concerned(pieces.iter(), &mut concerned);
-                for middle in block.middles() {
-                    let of_block = concerned.iter().map(|candidate| candidate.piece);
-                    prop_assert_eq!(nearest(of_block, middle), nearest(pieces.iter(), middle));
-                    count += 1;
-                }
+                parts_of_block.fill(&block);
+                concerned.iter().enumerate().for_each(|(k, candidate)| parts_of_block.offer(k, candidate.piece));
+                let taken: Vec<_> = parts_of_block.taken().map(|(k, share)| (concerned[k].piece.path, share)).collect();
+                let wanted: Vec<_> = block.middles().filter_map(|middle| nearest(&pieces, middle)).collect();
+                prop_assert_eq!(taken, wanted);
+                count += block.middles().count();
             }
             prop_assert_eq!(count, parts * parts);
         }
