@@ -50,8 +50,9 @@ pub(crate) struct TriangleLights {
 const ROUNDING: f64 = 1e-9;
 
 impl Light {
-    #[inline]
     /// The length of the way to a point, if less than `best`, and where it comes from: a vector of any length.
+    // The search asks some ten lights for each distance, and mostly needs no direction.
+    #[inline(always)]
     fn reach(&self, p: [f64; 2], best: f64) -> Option<(f64, [f64; 2])> {
         let [dx, dy] = [p[0] - self.from[0], p[1] - self.from[1]];
         // No bent way is shorter than the straight one. Most lights lose here: no root for them.
@@ -133,6 +134,7 @@ impl TriangleLights {
     }
 
     /// The length of the shortest way to a point laid flat, and where it comes from.
+    #[inline(always)]
     fn least(&self, p: [f64; 2]) -> (f64, [f64; 2]) {
         let [dx, dy] = [p[0] - self.middle[0], p[1] - self.middle[1]];
         let from_middle = (dx * dx + dy * dy).sqrt();

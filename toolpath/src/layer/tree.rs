@@ -165,8 +165,8 @@ impl Tree {
                 }
             }
             if node.count == 0 {
-                let [one, other] = [at + 1, node.first].map(|child| enter(child as usize).map(|d| (d, child)));
-                match (one, other) {
+                let of_child = |child: u32| enter(child as usize).map(|d| (d, child));
+                match (of_child(at + 1), of_child(node.first)) {
                     (Some(one), Some(other)) if one.0 < other.0 => stack.extend([other, one]),
                     (one, other) => stack.extend(one.into_iter().chain(other)),
                 }
