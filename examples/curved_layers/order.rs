@@ -33,8 +33,7 @@ impl Ordered {
     pub fn saved(
         saved: SavedField,
         workpiece: &Workpiece,
-        options: &LayerOptions,
-        makes_surfaces: bool,
+        made: Option<&LayerOptions>,
         (part, clock): (&Part, &StageClock),
         progress: ProgressFn,
     ) -> Result<Self, Failure> {
@@ -48,10 +47,11 @@ impl Ordered {
         let order = saved.field.order();
         let audit = audit_with_nozzle(&saved.cells()?, platform, &rules, &judged, &order, &missed, progress)
             .map_err(failure)?;
-        let height_mm = options.height_mm.unwrap_or(cell_mm);
         let cells = SupportCells { cells: &support, contact: &contact };
-        let layers = makes_surfaces
-            .then(|| workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, progress));
+        let layers = made.map(|options| {
+            let height_mm = options.height_mm.unwrap_or(cell_mm);
+            workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, progress)
+        });
         let layers = layers.transpose().map_err(|error| surfaces::failed(error, part))?;
         let made = layers.map(|(layers, support)| {
             let SavedField { field, aids, .. } = saved;
@@ -73,16 +73,18 @@ impl Ordered {
         })
     }
 
-    /// The order that is found now. There are no layers of one that fails its audit.
+    /// The order that is found now, and its layers by the options for them. There are none of one that fails its audit.
     pub fn grown(
         workpiece: &Workpiece,
         options: &LayerOptions,
-        makes_surfaces: bool,
+        made: Option<&LayerOptions>,
         part: &Part,
         progress: ProgressFn,
     ) -> Result<Self, Failure> {
         let failed = |error| surfaces::failed(error, part);
-        let order = workpiece.order(options, progress).map_err(failed)?;
+        // Orders by hulls are chosen by their surfaces, which are then those to be made.
+        let searched = made.filter(|_| options.layers_by == LayersBy::Hull).unwrap_or(options);
+        let order = workpiece.order(searched, progress).map_err(failed)?;
         let strategy = match order.layers_by {
             LayersBy::Distance => "distance",
             LayersBy::Directed => "directed",
@@ -101,8 +103,8 @@ impl Ordered {
             no_support: order.no_support,
             made: None,
         };
-        if makes_surfaces && order.audit.is_ok() {
-            let layered = workpiece.layers_of(order, options, progress).map_err(failed)?;
+        if let Some(made) = made.filter(|_| order.audit.is_ok()) {
+            let layered = workpiece.layers_of(order, made, progress).map_err(failed)?;
             ordered.made = Some(Made::of(layered, options.rule));
         }
         Ok(ordered)

@@ -1,0 +1,16 @@
+//! Stage `preview`: what a full run would print, in seconds. Some of the layers, on a grid that need not be as fine, stand for all of them; time
+//! and material are estimated from these surfaces, without paths.
+
+mod findings;
+mod run;
+
+pub use findings::find;
+pub use run::PreviewRun;
+
+/// Cells that a preview takes at most where they follow from the layer height: their order and its audit take two seconds on two cores. Typed
+/// --voxels and --cell are kept.
+pub const MAX_CELLS: u64 = 60_000;
+
+/// Surfaces along the longest side of the part, about. Areas change slowly from layer to layer: with half as many estimates move by some tenths of a
+/// percent (docs/benchmarks.md), and each takes a fiftieth of a second.
+pub const MAX_SURFACES: u32 = 48;
