@@ -201,7 +201,7 @@ impl LevelField<'_> {
 }
 
 /// Refuses options out of their ranges.
-pub(super) fn check(options: &PathOptions) -> Result<(), PathError> {
+pub(crate) fn check(options: &PathOptions) -> Result<(), PathError> {
     let PathOptions { bead, min_gap: gap, join_distance, min_length, min_width, .. } = *options;
     if !(bead > 0.0 && bead.is_finite()) {
         return Err(PathError::Bead { bead });

@@ -4,7 +4,6 @@
 //! beads over a piece of surface is its area by their number across: `m` rings between the boundary and a ridge at `R` are `m / R` a
 //! millimetre. What curves add to that (bridges between rings) and what they leave out (short ones) is not counted.
 
-use super::contours::check;
 use super::spacing::{BeadsAt, Spacing};
 use crate::level_set::LevelField;
 use crate::path::{PathError, PathOptions, Pattern};
@@ -21,7 +20,6 @@ pub(crate) struct ExpectedBeads {
 impl LevelField<'_> {
     /// The beads that [`LevelField::paths`] would lay, or so many contours of them, by place. `O(n log n)` for `n` triangles.
     pub(crate) fn expected_beads(&self, options: &PathOptions, walls: Option<u32>) -> Result<ExpectedBeads, PathError> {
-        check(options)?;
         let PathOptions { bead, min_width, .. } = *options;
         let fitted = options.fitted && (options.pattern != Pattern::Zigzag || walls.is_some());
         let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted, walls.map(|walls| walls as usize));

@@ -41,6 +41,7 @@ mod widths;
 mod zigzag;
 
 pub(crate) use carry::{Place, carriers};
+pub(crate) use contours::check;
 pub(crate) use curve::Loop;
 pub(crate) use cut::Cut;
 pub(crate) use expected::ExpectedBeads;

@@ -203,8 +203,9 @@ impl<'f, 'd> Spacing<'f, 'd> {
         let (rings, ridge) = (mean(&self.rings), mean(&self.ridge) / bead);
         let fewer = rings.floor();
         let [one, other] = [fewer, fewer + 1.0].map(|rings| share(value / bead, rings, ridge, min_width));
-        let [per, width] = [0, 1].map(|k| one[k] + (other[k] - one[k]) * (rings - fewer));
-        BeadsAt { per_mm: per / bead, width: width * bead }
+        // Shares of the area add up, widths do not.
+        let [per, covered] = [0, 1].map(|k| one[k] + (other[k] - one[k]) * (rings - fewer));
+        BeadsAt { per_mm: per / bead, width: if per > 0.0 { covered / per * bead } else { 0.0 } }
     }
 
     /// The width of a single bead along the medial axis; none where it is too narrow for one.
@@ -315,15 +316,17 @@ fn place(level: usize, m: f64, ridge: f64) -> [f64; 2] {
     if level < outer { [level + 0.5, 1.0] } else { [outer + (level - outer + 0.5) * width, width] }
 }
 
-/// A single bead in a strip of this width, in beads: none where it is narrower than `min_width`.
+/// A single bead in a strip of this width, in beads: length by area, and the share of the area that it covers. None where the strip is narrower
+/// than `min_width`.
 fn single_in(strip: f64, min_width: f64) -> [f64; 2] {
     if strip < min_width {
         return [0.0; 2];
     }
-    [1.0 / strip, strip.clamp(min_width, BEAD_WIDTHS[1])]
+    [1.0 / strip, strip.clamp(min_width, BEAD_WIDTHS[1]) / strip]
 }
 
-/// Beads by length across at a distance from the boundary, and their width, if there are `m` rings below a ridge; all in beads.
+/// Beads at a distance from the boundary, if there are `m` rings below a ridge, all in beads: length by area, and the share of the area that
+/// they cover.
 fn share(at: f64, m: f64, ridge: f64, min_width: f64) -> [f64; 2] {
     if m < 1.0 {
         return single_in(2.0 * ridge, min_width);
@@ -331,10 +334,10 @@ fn share(at: f64, m: f64, ridge: f64, min_width: f64) -> [f64; 2] {
     let inner = m.min(INNER as f64);
     let outer = m - inner;
     if at < outer {
-        [1.0; 2]
-    } else {
-        [inner / (ridge - outer).max(inner * BEAD_WIDTHS[0]), place(outer as usize, m, ridge)[1]]
+        return [1.0; 2];
     }
+    let per = inner / (ridge - outer).max(inner * BEAD_WIDTHS[0]);
+    [per, per * place(outer as usize, m, ridge)[1]]
 }
 
 /// The distance of the ridge above each vertex.

@@ -4,7 +4,7 @@
 //! in nine parts.
 
 use super::random::Random;
-use crate::contour::{BeadsAt, ExpectedBeads};
+use crate::contour::{BeadsAt, ExpectedBeads, check};
 use crate::deposit::DepositionOptions;
 use crate::geodesic::SurfaceDistance;
 use crate::infill::{FillError, MIN_BEAD_REACH, MIN_REACH, Solid, thickness};
@@ -79,6 +79,7 @@ pub(super) fn sheet(
     options: &PathOptions,
     deposition: &DepositionOptions,
 ) -> Result<Sheet, FillError> {
+    check(options)?;
     let silent = |_| ControlFlow::Continue(());
     let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?;
     let distance = SurfaceDistance::to_boundary(&mesh, &silent)?;
