@@ -180,9 +180,11 @@ fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> R
         findings.report(beside);
         beside.table("", &people::table(job, results));
     };
+    if let (Some(run), Some(surfaces)) = (&results.preview, surfaces) {
+        preview::words(field, surfaces, run).iter().for_each(|words| _ = report.paragraph(words));
+    }
     report.beside(|first| _ = first.viewer(build), said);
     if let (Some(run), Some(surfaces)) = (&results.preview, surfaces) {
-        report.paragraph(&preview::words(field, surfaces, run));
         preview::report(field, surfaces, &mut report);
         field::report(job.args, field, &mut report)?;
         report.fold("All figures", |inner| {
