@@ -2,6 +2,7 @@
 //! fold, and in the summary.
 
 use super::axes;
+use super::shown::duration;
 use crate::args::Stage;
 use crate::choice::Choice;
 use crate::guide::Guide;
@@ -111,14 +112,4 @@ fn checks(results: &Results) -> String {
         text += &format!("; {} of the bead length is unsupported", percent(on_nothing));
     }
     text
-}
-
-/// A time as one says it: `34 min`, `2 h 05 min`.
-pub fn duration(seconds: f64) -> String {
-    let minutes = (seconds / 60.0).round() as u64;
-    match (seconds, minutes / 60) {
-        (seconds, 0) if seconds < 60.0 => format!("{seconds:.0} s"),
-        (_, 0) => format!("{minutes} min"),
-        (_, hours) => format!("{hours} h {:02} min", minutes % 60),
-    }
 }

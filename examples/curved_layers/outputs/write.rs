@@ -184,7 +184,7 @@ fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> R
         preview::words(field, surfaces, run).iter().for_each(|words| _ = report.paragraph(words));
     }
     report.beside(|first| _ = first.viewer(build), said);
-    if let (Some(run), Some(surfaces)) = (&results.preview, surfaces) {
+    if let (Some(_), Some(surfaces)) = (&results.preview, surfaces) {
         preview::report(field, surfaces, &mut report);
         field::report(job.args, field, &mut report)?;
         report.fold("All figures", |inner| {

@@ -1,6 +1,6 @@
 //! What a preview finds beyond the findings of the field.
 
-use super::run::PreviewRun;
+use super::estimated::PreviewRun;
 use crate::field::FieldRun;
 use crate::job::Job;
 use crate::surfaces::SurfacesRun;

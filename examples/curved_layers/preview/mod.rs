@@ -1,11 +1,11 @@
 //! Stage `preview`: what a full run would print, in seconds. Some of the layers, on a grid that need not be as fine, stand for all of them; time
 //! and material are estimated from these surfaces, without paths.
 
+mod estimated;
 mod findings;
 mod run;
 
-pub use findings::find;
-pub use run::PreviewRun;
+pub use estimated::PreviewRun;
 
 /// Cells that a preview takes at most where they follow from the layer height: their order and its audit take two seconds on two cores. Typed
 /// --voxels and --cell are kept.

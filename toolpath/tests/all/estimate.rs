@@ -215,7 +215,8 @@ fn twice_the_density_is_twice_the_infill() {
 fn rings_that_are_not_joined_are_curves_of_their_own() {
     let part = Part::new(vec![rectangle(12.0, 12.0, 0.3)], 0.3);
     let curves = |pattern| part.estimated(PathOptions { pattern, ..beads(1.0) }).unwrap().curves;
-    assert_eq!([Pattern::Spirals, Pattern::Zigzag, Pattern::Rings].map(curves), [1.0, 1.0, 6.0]);
+    let found = [Pattern::Spirals, Pattern::Zigzag, Pattern::Rings].map(curves);
+    assert!(found.iter().zip([1.0, 1.0, 6.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-12), "{found:?}");
 }
 
 #[test]
