@@ -45,8 +45,7 @@ pub fn run(
     let guided = guided(guide, &workpiece, in_cells.solid.shift, &layers)?;
     let workpiece = with_guides(workpiece, &guided);
 
-    let made = surfaces.map(|surfaces| sampled(&layers, surfaces, &workpiece));
-    let mut ordered = ordered(saved, &workpiece, &layers, made.as_ref(), &watch)?;
+    let mut ordered = ordered(saved, &workpiece, &layers, surfaces, &watch)?;
     let proven = Proven::new(&workpiece, &ordered.missed_by_hull, &watch)?;
     clock.stop();
     let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &ordered.growth, part, &clock);
@@ -123,26 +122,18 @@ fn with_guides<'a>(workpiece: Workpiece<'a>, guided: &'a Guided) -> Workpiece<'a
     Workpiece { guides: Guides { heights, directions, ..workpiece.guides }, ..workpiece }
 }
 
-/// The options of the surfaces: as far apart as layers, or farther, so that there are about as many as asked for along the longest side of the part.
-fn sampled(layers: &LayerOptions, surfaces: &SurfaceOptions, workpiece: &Workpiece) -> LayerOptions {
-    let Some(most) = surfaces.max_surfaces else { return *layers };
-    let longest = workpiece.cells.dims().into_iter().max().unwrap_or(0);
-    let apart_mm = f64::from(longest) * workpiece.cell_mm / f64::from(most);
-    LayerOptions { height_mm: Some(layers.height_mm.unwrap_or(workpiece.cell_mm).max(apart_mm)), ..*layers }
-}
-
-/// The order that an earlier run has saved, or the one that is found now, with its layers if there are to be surfaces: of these options.
+/// The order that an earlier run has saved, or the one that is found now, with its layers if there are to be surfaces.
 fn ordered(
     saved: Option<SavedField>,
     workpiece: &Workpiece,
     layers: &LayerOptions,
-    made: Option<&LayerOptions>,
+    surfaces: Option<&SurfaceOptions>,
     watch: &Watch,
 ) -> Result<Ordered, Failure> {
     let &Watch { part, clock, progress } = watch;
     match saved {
-        Some(saved) => Ordered::saved(saved, workpiece, made, (part, clock), progress),
-        None => Ordered::grown(workpiece, layers, made, part, progress),
+        Some(saved) => Ordered::saved(saved, workpiece, (layers, surfaces), (part, clock), progress),
+        None => Ordered::grown(workpiece, layers, surfaces, part, progress),
     }
 }
 

@@ -6,11 +6,15 @@ use crate::field;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
+use curvlay_layers::curved::surface::ContourError;
 use curvlay_toolpath::estimate::{PrintEstimate, SampledPart, Samples, estimate_print};
 use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::path::PathOptions;
 use nalgebra::Point3;
 use std::time::{Duration, Instant};
+
+/// Layers of a full run are no lower than this, in cells, where the user says what cells there are: `ExtendedField::levels` refuses it.
+const MIN_HEIGHT_CELLS: f64 = 0.2;
 
 /// What a preview finds beside field and surfaces.
 pub struct PreviewRun {
@@ -44,7 +48,14 @@ impl PreviewRun {
         let part_mm = surfaces.height_mm * whole as f64;
         let layers = (part_mm / wanted_mm).round().max(1.0);
         let (height_mm, layers_each) = (part_mm / layers, layers / whole as f64);
+        let cell_mm = field.solid.grid.cell_mm();
+        let is_derived = args.voxel.resolution().is_none() && args.resume.is_none();
+        if !is_derived && wanted_mm < MIN_HEIGHT_CELLS * cell_mm {
+            let error = ContourError::TooThin { height_mm: wanted_mm, cell_mm };
+            return Err(failure(format!("--layer-height: {error}")));
+        }
         let options = args.path_options(height_mm)?;
+        args.memory().holds_paths(options.bead, cell_mm, surfaces)?;
         let fill = args.fill(options, surfaces);
         let thin = |surfaces: &[LayerSurface]| -> Vec<Vec<f64>> {
             let of = |surface: &LayerSurface| surface.thickness.iter().map(|mm| mm / layers_each).collect();
@@ -68,7 +79,6 @@ impl PreviewRun {
             return Err(failure(format!("a bead of {bead_mm} mm fits nowhere: take a smaller --bead")));
         }
         let half_layers = (layers_each * surfaces.half_layers() as f64).round() as usize;
-        let is_derived = args.voxel.resolution().is_none() && args.resume.is_none();
         let full_cells = is_derived.then(|| field::cells_of_full_run(args.height(), part));
         let full_cells = full_cells.filter(|&cells| cells > MAX_CELLS);
         let layers = layers as usize;

@@ -11,6 +11,6 @@ pub use estimated::PreviewRun;
 /// --voxels and --cell are kept.
 pub const MAX_CELLS: u64 = 60_000;
 
-/// Surfaces along the longest side of the part, about. Areas change slowly from layer to layer: with half as many estimates move by some tenths of a
+/// Surfaces of whole layers, about; half layers come on top. Areas change slowly from layer to layer: with half as many estimates move by some tenths of a
 /// percent (docs/benchmarks.md), and each takes a fiftieth of a second.
-pub const MAX_SURFACES: u32 = 48;
+pub const MAX_SURFACES: u32 = 50;

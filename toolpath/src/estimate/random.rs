@@ -18,3 +18,18 @@ impl Random {
         ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Random;
+
+    #[test]
+    fn numbers_are_those_of_the_published_generator() {
+        // The first outputs for the seed 1234567, as Vigna's splitmix64.c has them, by their upper 53 bits.
+        let mut random = Random::new(1_234_567);
+        for wanted in [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423] {
+            let found = random.share() * (1_u64 << 53) as f64;
+            assert!((found - (wanted >> 11) as f64).abs() < 0.5, "{found}");
+        }
+    }
+}

@@ -47,6 +47,26 @@ fn a_block_takes_what_is_computed_by_hand() {
     assert!(page.contains("This is a preview") && page.contains("view-columns") && page.contains("(estimate)"));
 }
 
+/// Surfaces are no farther apart than layers where a part is lower than that.
+#[test]
+fn a_plate_is_as_thin_as_it_is() {
+    let scratch = Scratch::new("preview-plate");
+    let figures = block([40.0, 40.0, 0.9], &scratch.path("out"), &["--stage", "preview", "--layer-height", "0.3"]);
+    assert_eq!((number(&figures, "estimated_layers"), number(&figures, "preview_layers_each")), (3.0, 1.0));
+    assert!(is_near(number(&figures, "estimated_path_mm"), 9600.0, 0.01), "{}", figures["estimated_path_mm"]);
+    // What the full run would refuse.
+    let mesh = format!("{}.stl", scratch.path("out"));
+    for (args, line) in [
+        (&["--cell", "2", "--layer-height", "0.3"][..], "below a fifth of a cell"),
+        (&["--layer-height", "0.02", "--bead", "0.02", "--cell", "0.1", "--max-memory", "2"], "--max-memory"),
+    ] {
+        let output =
+            run(&[&["--mesh", &mesh, "--stage", "preview", "--quiet", "--out", &scratch.path("no")], args].concat());
+        let (status, said) = status_and_line(&output);
+        assert!(status == 1 && said.contains(line), "{args:?}: {status} {said}");
+    }
+}
+
 #[test]
 fn estimates_scale_with_layers_and_density() {
     let scratch = Scratch::new("preview-scales");
