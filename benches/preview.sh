@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The rows of "Preview" in docs/benchmarks.md: what `curved_layers --stage preview` estimates, and how far that is off the full run.
 # usage: benches/preview.sh FOLDER_OF_MESHES [MODEL...]      HEIGHT=0.3 BEAD=0.5 VOXELS=60000 MORE="--walls 3 --density 20" (none) unless set
-# `jug` is the part that is made in code, with cells as they follow from the layer height. Seconds are of the preview, on the clock.
+# `jug` is the part that is made in code, with cells as they follow from the layer height. Seconds are user seconds of the preview.
 set -euo pipefail
 folder=${1:?usage: benches/preview.sh FOLDER_OF_MESHES [MODEL...]}
 shift
@@ -25,12 +25,12 @@ stage() {
 # An estimate as a percentage above the figure of the full run.
 off() { awk -v a="$(figure preview "$1")" -v b="$(figure gcode "$2")" 'BEGIN { printf "%+.1f %%", 100 * (a / b - 1) }'; }
 
-echo '| model | surfaces, of layers | preview, seconds | beads, m | volume, cm3 | time, min | curves |'
+echo '| model | surfaces, of all | preview, user seconds | beads, m | volume, cm3 | time, min | curves |'
 echo '|---|---|---|---|---|---|---|'
 for model in "$@"; do
   args=(--layer-height "${HEIGHT:-0.3}" --bead "${BEAD:-0.5}" --layers-by directed ${more[@]+"${more[@]}"})
   [ "$model" = jug ] || args+=("$folder/$model.stl" --voxels "${VOXELS:-60000}")
-  TIMEFORMAT=%R
+  TIMEFORMAT=%U
   { time stage preview "${args[@]}"; } 2>"$out/time"
   stage gcode "${args[@]}"
   awk -v model="$model" -v shown="$(figure preview preview_surfaces)" -v all="$(figure gcode surfaces)" -v seconds="$(tail -n 1 "$out/time")" \

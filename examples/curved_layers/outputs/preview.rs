@@ -105,8 +105,8 @@ pub fn words(field: &FieldRun, surfaces: &SurfacesRun, run: &PreviewRun) -> [Str
 }
 
 /// How near estimates were to full runs, as docs/benchmarks.md has them.
-const ACCURACY: &str = "In tests the length of beads was within 4 % of that of the full run, the volume within 2 % (6 % with sparse infill), the \
-                        time within 10 %, mostly too short: cuts and turns of the nozzle are not known yet.";
+const ACCURACY: &str = "In tests the length of beads was within 4 % of that of the full run, the volume within 2 % (7 % with sparse infill), the \
+                        time within 8 %, mostly too short: cuts and turns of the nozzle are not known yet.";
 
 pub fn rows(run: &PreviewRun, table: &mut Table) {
     let print = &run.print;

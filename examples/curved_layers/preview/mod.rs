@@ -7,10 +7,10 @@ mod run;
 
 pub use estimated::PreviewRun;
 
-/// Cells that a preview takes at most where they follow from the layer height: their order and its audit take two seconds on two cores. Typed
+/// Cells that a preview takes at most where they follow from the layer height: their order and its audit take two to three seconds on two cores. Typed
 /// --voxels and --cell are kept.
 pub const MAX_CELLS: u64 = 60_000;
 
-/// Surfaces of whole layers, about; half layers come on top. Areas change slowly from layer to layer: with half as many estimates move by some tenths of a
-/// percent (docs/benchmarks.md), and each takes a fiftieth of a second.
+/// Surfaces of whole layers, about; half layers come on top. Each takes a fiftieth of a second of processor time; with a quarter fewer estimates move
+/// by up to 2 % (docs/benchmarks.md).
 pub const MAX_SURFACES: u32 = 50;

@@ -90,7 +90,7 @@ fn estimates_scale_with_layers_and_density() {
 #[test]
 fn estimates_are_near_the_full_run() {
     let scratch = Scratch::new("preview-full");
-    // A cross with an arm in the air, which takes layers that lean, and a wall of two beads and a half.
+    // A block, and beside it a wall of two beads and a half.
     let mesh = scratch.path("part.stl");
     fs::write(&mesh, boxes(&[[[0.0; 3], [12.0, 10.0, 3.0]], [[20.0, 0.0, 0.0], [22.5, 14.0, 3.0]]])).unwrap();
     for (name, more) in [("solid", &[][..]), ("sparse", &["--walls", "2", "--density", "25", "--skin", "3"])] {
