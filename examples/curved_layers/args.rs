@@ -180,6 +180,8 @@ impl Fill {
 /// The last stage to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Stage {
+    /// A first look, in seconds: some of the layers, findings, estimates of time and material; takes the options of the full run.
+    Preview,
     /// The growing field: which cell belongs to which layer.
     Field,
     /// The surfaces: uniform layers, contoured and trimmed to the mesh.

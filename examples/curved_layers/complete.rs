@@ -55,6 +55,7 @@ pub enum LayersBy {
     Directed,
     /// Directed, then by the distance, then by hulls: the first whose print passes all checks, else the one that is nearest to it. With --stage field,
     /// --stage surfaces, --layers or --merge nothing is printed to choose by: the first that misses no cell, else the one that misses the fewest.
+    /// --stage preview takes the first that misses no more than --allow-missed.
     Best,
 }
 

@@ -58,12 +58,15 @@ pub fn check(matches: &ArgMatches) -> Result<(), String> {
         return Err(format!("--layers ends after the paths: --stage {} does not go with it", typed_name(asked)));
     }
     let stage = if is_range { Stage::Paths } else { asked };
-    if let Some(option) = typed.iter().find(|option| stage_of(option) > stage) {
+    if stage == Stage::Preview {
+        of_preview(matches, &typed)?;
+    }
+    if let Some(option) = typed.iter().find(|option| stage != Stage::Preview && stage_of(option) > stage) {
         let (name, needed) = (name_of(option), typed_name(stage_of(option)));
         return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
     }
     let extras = matches.get_many::<Extra>("also").into_iter().flatten();
-    if let Some(extra) = extras.copied().find(|extra| extra.stage() > stage) {
+    if let Some(extra) = extras.copied().find(|extra| stage != Stage::Preview && extra.stage() > stage) {
         let [name, needed, stage] = [typed_name(extra), typed_name(extra.stage()), typed_name(stage)];
         return Err(format!("--also {name} does nothing with --stage {stage}: it needs --stage {needed}"));
     }
@@ -89,6 +92,22 @@ pub fn check(matches: &ArgMatches) -> Result<(), String> {
     let posing = ["orient_directions", "orient_voxels", "refine", "min_tipping_deg", "standing_first"];
     match first_of(&posing).filter(|_| !is_best) {
         Some(name) => Err(format!("--{name} needs --orient best")),
+        None => Ok(()),
+    }
+}
+
+/// Options that ask for what a preview does not make. It accepts all others: it is of the run that they describe.
+const NOT_OF_PREVIEW: [&str; 3] = ["merge", "compare", "statistics"];
+
+/// Says which option asks for what a preview does not make.
+fn of_preview(matches: &ArgMatches, typed: &[&Arg]) -> Result<(), String> {
+    let what = "does nothing with --stage preview, which makes no paths and no files of layers";
+    if let Some(option) = typed.iter().find(|option| NOT_OF_PREVIEW.contains(&option.get_id().as_str())) {
+        return Err(format!("--{} {what}", option.get_long().unwrap_or_default()));
+    }
+    let mut extras = matches.get_many::<Extra>("also").into_iter().flatten();
+    match extras.find(|extra| **extra != Extra::Gltf) {
+        Some(extra) => Err(format!("--also {} {what} but build.glb (--also gltf)", typed_name(*extra))),
         None => Ok(()),
     }
 }

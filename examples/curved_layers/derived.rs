@@ -7,6 +7,7 @@ use crate::estimate::Memory;
 use crate::field::FieldOptions;
 use crate::guide::Guide;
 use crate::job::Posed;
+use crate::preview;
 use crate::ranges::LayerFill;
 use crate::surfaces::{SurfaceOptions, SurfacesRun};
 use clap::ArgMatches;
@@ -52,7 +53,8 @@ impl Args {
         if self.settings.price_per_kg.is_some() && self.settings.material_density_g_cm3.is_none() {
             return Err(Failure::of_arguments("--price-per-kg needs --material-density: filament is sold by mass"));
         }
-        if let Some(height_mm) = self.height().or(self.voxel.cell).filter(|_| self.stage >= Stage::Paths) {
+        let has_beads = self.stage >= Stage::Paths || self.stage == Stage::Preview;
+        if let Some(height_mm) = self.height().or(self.voxel.cell).filter(|_| has_beads) {
             self.bead(height_mm).map_err(Failure::of_arguments)?;
         }
         if !self.motion.cell8 && self.motion.workcell.is_none() {
@@ -147,7 +149,8 @@ impl Args {
     /// Whether a file is to be written: asked for, or one of the field and its layers in a run for research. With layers as those of
     /// printers they take hundreds of megabytes.
     pub fn writes(&self, extra: Extra) -> bool {
-        self.also.contains(&extra) || (self.has_cells() && extra.stage() <= Stage::Surfaces)
+        let is_of_research = self.has_cells() && self.stage != Stage::Preview;
+        self.also.contains(&extra) || (is_of_research && extra.stage() <= Stage::Surfaces)
     }
 
     /// By what the order of the cells is found: by what prints best, unless the run is for research, or the user asks for something that only orders by hulls
@@ -191,7 +194,8 @@ impl Args {
         let platform_diameter_mm = self.platform_diameter_mm();
         let complete = self.complete.options(layers_by, strategy.is_none(), nozzle);
         let layers = LayerOptions { strategy, height_mm, ..complete };
-        FieldOptions { resolution, eps_cells, beyond_eps, platform_diameter_mm, layers }
+        let max_cells = (self.stage == Stage::Preview).then_some(preview::MAX_CELLS);
+        FieldOptions { resolution, max_cells, eps_cells, beyond_eps, platform_diameter_mm, layers }
     }
 
     /// Turns the part into its best pose.
@@ -220,7 +224,8 @@ impl Args {
     }
 
     pub fn surface_options(&self) -> SurfaceOptions {
-        SurfaceOptions { height_mm: self.height(), coherent: self.coherent, compare: self.compare }
+        let max_surfaces = (self.stage == Stage::Preview).then_some(preview::MAX_SURFACES);
+        SurfaceOptions { height_mm: self.height(), max_surfaces, coherent: self.coherent, compare: self.compare }
     }
 
     pub fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {

@@ -42,6 +42,8 @@ pub fn of_stage(stage: Stage, args: &Args, results: &mut Results) {
     let borders_mm =
         || surfaces.iter().flat_map(|run| &run.sheets).map(|sheet| sheet.border_mm).fold(0.0, |sum, mm| sum + mm);
     match stage {
+        // Surfaces that stand for others say nothing of how far apart layers are; the rest is for `preview::find`.
+        Stage::Preview => of_field(field, args, findings),
         Stage::Field | Stage::Surfaces => {
             of_field(field, args, findings);
             surfaces.iter().for_each(|run| of_surfaces(field, run, findings));

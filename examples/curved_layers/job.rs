@@ -9,6 +9,7 @@ use crate::motion::Motion;
 use crate::motion::args::ProgramFormat;
 use crate::outputs::Files;
 use crate::paths::PathsRun;
+use crate::preview::PreviewRun;
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
@@ -68,6 +69,8 @@ pub struct Results {
     pub paths: Option<PathsRun>,
     pub machine: Option<MachineRun>,
     pub motion: Option<Motion>,
+    /// What a preview estimates; its surfaces are some of the layers.
+    pub preview: Option<PreviewRun>,
     pub files: Files,
     pub findings: Findings,
     /// Why this order, where several were tried.
@@ -78,6 +81,7 @@ impl Results {
     /// Whether a stage has been run.
     pub fn has(&self, stage: Stage) -> bool {
         match stage {
+            Stage::Preview => self.preview.is_some(),
             Stage::Field => true,
             Stage::Surfaces => self.surfaces.is_some(),
             Stage::Paths => self.paths.is_some(),

@@ -24,12 +24,13 @@ mod mould;
 mod order;
 mod outputs;
 mod paths;
+mod preview;
 mod ranges;
 mod run;
 mod surfaces;
 mod tried;
 
-use args::{Args, Lying, failure};
+use args::{Args, Lying, Stage, failure};
 use curvlay_examples::args::{Failure, run_command};
 use curvlay_examples::bars::Bars;
 use guide::Guide;

@@ -1,7 +1,7 @@
 //! Stage `field`: the order of the cells, grown or saved, and the surfaces that are made of it.
 
 use crate::failure;
-use crate::surfaces::{self, Made};
+use crate::surfaces::{self, Made, SurfaceOptions};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::ProgressFn;
@@ -9,6 +9,12 @@ use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{
     AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, SupportCells, Workpiece, audit_with_nozzle,
 };
+
+/// How far apart surfaces are, in millimetres: as layers, or farther where no more than so many are made of a growth of this length.
+fn apart_mm(options: &LayerOptions, surfaces: &SurfaceOptions, cell_mm: f64, growth_mm: f64) -> f64 {
+    let layer_mm = options.height_mm.unwrap_or(cell_mm);
+    surfaces.max_surfaces.map_or(layer_mm, |most| layer_mm.max(growth_mm / f64::from(most)))
+}
 
 /// An order of the cells.
 pub struct Ordered {
@@ -33,8 +39,7 @@ impl Ordered {
     pub fn saved(
         saved: SavedField,
         workpiece: &Workpiece,
-        options: &LayerOptions,
-        makes_surfaces: bool,
+        (options, surfaces): (&LayerOptions, Option<&SurfaceOptions>),
         (part, clock): (&Part, &StageClock),
         progress: ProgressFn,
     ) -> Result<Self, Failure> {
@@ -48,10 +53,12 @@ impl Ordered {
         let order = saved.field.order();
         let audit = audit_with_nozzle(&saved.cells()?, platform, &rules, &judged, &order, &missed, progress)
             .map_err(failure)?;
-        let height_mm = options.height_mm.unwrap_or(cell_mm);
         let cells = SupportCells { cells: &support, contact: &contact };
-        let layers = makes_surfaces
-            .then(|| workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, progress));
+        let layers = surfaces.map(|surfaces| {
+            let growth_mm = saved.field.highest() * saved.field.layer_cells() * cell_mm;
+            let height_mm = apart_mm(options, surfaces, cell_mm, growth_mm);
+            workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, progress)
+        });
         let layers = layers.transpose().map_err(|error| surfaces::failed(error, part))?;
         let made = layers.map(|(layers, support)| {
             let SavedField { field, aids, .. } = saved;
@@ -73,11 +80,11 @@ impl Ordered {
         })
     }
 
-    /// The order that is found now. There are no layers of one that fails its audit.
+    /// The order that is found now, with its layers if there are to be surfaces. There are none of one that fails its audit.
     pub fn grown(
         workpiece: &Workpiece,
         options: &LayerOptions,
-        makes_surfaces: bool,
+        surfaces: Option<&SurfaceOptions>,
         part: &Part,
         progress: ProgressFn,
     ) -> Result<Self, Failure> {
@@ -101,8 +108,15 @@ impl Ordered {
             no_support: order.no_support,
             made: None,
         };
-        if makes_surfaces && order.audit.is_ok() {
-            let layered = workpiece.layers_of(order, options, progress).map_err(failed)?;
+        if let Some(surfaces) = surfaces.filter(|_| order.audit.is_ok()) {
+            let cells = match &order.field {
+                Some(field) => field.highest() * field.layer_cells(),
+                None => order.final_growth().order.len() as f64,
+            };
+            let cell_mm = workpiece.cell_mm;
+            let height_mm = Some(apart_mm(options, surfaces, cell_mm, cells * cell_mm));
+            let made = LayerOptions { height_mm, ..*options };
+            let layered = workpiece.layers_of(order, &made, progress).map_err(failed)?;
             ordered.made = Some(Made::of(layered, options.rule));
         }
         Ok(ordered)

@@ -31,6 +31,9 @@ impl Job<'_> {
         if let Some(bead) = args.settings.bead_mm.filter(|bead| *bead > longest) {
             return Err(failure(format!("--bead {bead}: wider than the part is long, {longest:.3} mm")));
         }
+        if args.stage == Stage::Preview {
+            return self.preview(saved, &findings);
+        }
         let mut results = match args.chooses_by_print() {
             true => self.best(&findings)?,
             false => self.begin(args.layers_by(), saved, &[], findings)?,
@@ -50,7 +53,7 @@ impl Job<'_> {
     }
 
     /// Field and surfaces of an order, with support below unsupported beads.
-    fn begin(
+    pub fn begin(
         &self,
         layers_by: LayersBy,
         saved: Option<SavedField>,
@@ -58,7 +61,8 @@ impl Job<'_> {
         mut findings: Findings,
     ) -> Result<Results, Failure> {
         let Job { args, part, mould, guide, bars, .. } = *self;
-        let surfaces = (args.stage >= Stage::Surfaces).then(|| args.surface_options());
+        let makes_surfaces = args.stage >= Stage::Surfaces || args.stage == Stage::Preview;
+        let surfaces = makes_surfaces.then(|| args.surface_options());
         let options = args.field_options(layers_by, &self.setup.nozzle);
         let (field, surfaces) =
             field::run(&options, surfaces.as_ref(), args.memory(), Given { part, mould, guide, saved, bare }, bars)?;
@@ -68,8 +72,17 @@ impl Job<'_> {
         }
         part.coarse_for(field.solid.grid.cell_mm()).iter().for_each(|why| findings.add(Severity::Warning, why, "", ""));
         let files = Files::default();
-        let mut results =
-            Results { field, surfaces, paths: None, machine: None, motion: None, files, findings, choice: None };
+        let mut results = Results {
+            field,
+            surfaces,
+            paths: None,
+            machine: None,
+            motion: None,
+            preview: None,
+            files,
+            findings,
+            choice: None,
+        };
         findings::of_stage(Stage::Surfaces.min(args.stage), args, &mut results);
         Ok(results)
     }
@@ -227,7 +240,7 @@ impl Job<'_> {
     }
 
     /// Ends a stage: reports its findings and writes its files.
-    fn end(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
+    pub fn end(&self, stage: Stage, results: &mut Results) -> Result<(), Failure> {
         self.bars.finish();
         results.findings.say();
         outputs::write(stage, self, results)

@@ -26,6 +26,8 @@ use std::time::Duration;
 pub struct SurfaceOptions {
     /// Layer height; none for the edge of a cell.
     pub height_mm: Option<f64>,
+    /// Makes no more whole ones than about this, evenly spread: each stands for the layers around it. None for all.
+    pub max_surfaces: Option<u32>,
     /// Tries a field that is torn as little as the part allows, too.
     pub coherent: bool,
     /// Makes the surfaces of hop counts as well, to compare with.

@@ -31,18 +31,21 @@ impl Bounds {
 
     /// Whether two boxes share a point.
     pub(crate) fn meets(&self, other: &Bounds) -> bool {
-        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+        // All six at once: which one decides is hard to guess for a processor.
+        (0..3).fold(true, |meets, k| meets & (self.low[k] <= other.high[k]) & (other.low[k] <= self.high[k]))
     }
 
-    /// Whether a line comes through the box, made larger by `room`, between two places on it. `inverse` is one over its
-    /// direction. Where it runs along a side, not-a-number is left out.
-    fn is_passed(&self, start: &Point3<f64>, inverse: &Vector3<f64>, [from, to]: [f64; 2], room: f64) -> bool {
+    /// Whether a line comes through the box, made larger by `room`, between two places on it.
+    fn is_passed(&self, line: &Line, [from, to]: [f64; 2], room: f64) -> bool {
         let (mut enter, mut leave) = (from, to);
         for k in 0..3 {
-            let [low, high] = [self.low[k] - room, self.high[k] + room];
-            let [a, b] = [low, high].map(|side| (side - start[k]) * inverse[k]);
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
+            let sides = [self.low[k] - room, self.high[k] + room];
+            let back = usize::from(line.is_back[k]);
+            let near = (sides[back] - line.start[k]) * line.inverse[k];
+            let far = (sides[1 - back] - line.start[k]) * line.inverse[k];
+            // Where the line runs along a side, not-a-number is left out.
+            enter = if near > enter { near } else { enter };
+            leave = if far < leave { far } else { leave };
         }
         enter <= leave
     }
@@ -51,6 +54,15 @@ impl Bounds {
         let beyond = |k: usize| (self.low[k] - p[k]).max(p[k] - self.high[k]).max(0.0);
         (0..3).map(|k| beyond(k) * beyond(k)).sum()
     }
+}
+
+/// A line that boxes are looked up along.
+struct Line {
+    start: Point3<f64>,
+    /// One over its direction.
+    inverse: Vector3<f64>,
+    /// Along which axes it runs back: it enters boxes at their greatest corner there.
+    is_back: [bool; 3],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -122,10 +134,11 @@ impl Tree {
         mut take: impl FnMut(usize, &mut [f64; 2]),
     ) {
         let inverse = direction.map(|d| 1.0 / d);
+        let line = Line { start: *start, inverse, is_back: [0, 1, 2].map(|k| inverse[k] < 0.0) };
         let size = self.nodes.first().map_or(0.0, |root| (root.bounds.high - root.bounds.low).max());
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
-            if node.bounds.is_passed(start, &inverse, [-reach[0], reach[1]], ROOM * size) {
+            if node.bounds.is_passed(&line, [-reach[0], reach[1]], ROOM * size) {
                 (node.first..node.first + node.count).for_each(|place| take(place as usize, &mut reach));
                 at += 1;
             } else {
@@ -228,4 +241,57 @@ fn join(large: bool, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
     }
     one();
     other();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn boxes(ends: &[([f64; 3], [f64; 3])]) -> Vec<Bounds> {
+        ends.iter()
+            .map(|(at, size)| Bounds::of(&[Point3::from(*at), Point3::from(*at) + Vector3::from(*size)]))
+            .collect()
+    }
+
+    proptest! {
+        /// Slow twin: all boxes, one by one. Coordinates on a lattice, so that sides touch.
+        #[test]
+        fn meeting_are_all_boxes_that_share_a_point(
+            ends in prop::collection::vec((prop::array::uniform3(0_i32..9), prop::array::uniform3(0_i32..4)), 1..60),
+        ) {
+            let real = |v: [i32; 3]| v.map(f64::from);
+            let all = boxes(&ends.iter().map(|&(at, size)| (real(at), real(size))).collect::<Vec<_>>());
+            let tree = Tree::new(&all);
+            for one in &all {
+                let mut found = Vec::new();
+                tree.meeting(one, |k| found.push(k));
+                found.sort_unstable();
+                let shares = |other: &Bounds| (0..3).all(|k| one.low[k].max(other.low[k]) <= one.high[k].min(other.high[k]));
+                prop_assert_eq!(found, (0..all.len() as u32).filter(|&k| shares(&all[k as usize])).collect::<Vec<_>>());
+            }
+        }
+
+        /// Slow twin: places along the line, one by one. Also along axes, and along sides of boxes.
+        #[test]
+        fn along_a_line_are_all_boxes_that_have_a_place_on_it(
+            ends in prop::collection::vec((prop::array::uniform3(-4_i32..4), prop::array::uniform3(0_i32..4)), 1..60),
+            start in prop::array::uniform3(-4_i32..5),
+            direction in prop::array::uniform3(-2_i32..3),
+            reach in prop::array::uniform2(0.0_f64..6.0),
+        ) {
+            let real = |v: [i32; 3]| v.map(f64::from);
+            let all = boxes(&ends.iter().map(|&(at, size)| (real(at), real(size))).collect::<Vec<_>>());
+            let tree = Tree::for_lines(&all);
+            let (start, direction) = (Point3::from(real(start)), Vector3::from(real(direction)));
+            let mut found = vec![false; all.len()];
+            tree.along(&start, &direction, reach, |place, _| found[tree.order()[place] as usize] = true);
+            for step in 0..=100 {
+                let place = start + direction * (-reach[0] + (reach[0] + reach[1]) * f64::from(step) / 100.0);
+                for (k, bounds) in all.iter().enumerate() {
+                    prop_assert!(found[k] || bounds.distance_sq(&place) > 0.0, "box {k} has {place}");
+                }
+            }
+        }
+    }
 }

@@ -329,6 +329,14 @@ impl DepositionOptions {
     }
 }
 
+impl DepositionOptions {
+    /// How long a piece of bead of this length and volume takes, if the nozzle does not turn: by the flow asked for, within the limits of the
+    /// feed.
+    pub(crate) fn seconds_of(&self, length: f64, volume: f64) -> f64 {
+        (volume / self.flow_mm3_s).max(length / self.max_feed).min(length / self.min_feed)
+    }
+}
+
 /// The volume of a bead between two waypoints.
 fn volume(from: &Waypoint, to: &Waypoint) -> f64 {
     let section =

@@ -16,6 +16,7 @@
 //! * [`orientation`]: waypoints and directions of the nozzle along the curves. [`gouging`]: directions in which it does not run into what is built.
 //!   [`travel`]: ways from path to path that keep clear of it.
 //! * [`deposit`]: how much is extruded along tool paths, and how fast, as timed moves. [`plan`]: the four before in one call.
+//! * [`estimate`]: what printing takes, from some layers, without paths.
 //! * [`support`]: which beads lie on nothing. [`shell`]: how near beads are to the mesh of the part.
 //! * [`gcode`]: machine files, written and read. [`cam`]: APT and CSV for post-processors of other makers. [`vtp`]: paths for viewers.
 //! * [`fiber`]: tapes of continuous fibre along fields of directions or guide curves, from stresses to the moves of a tape head.
@@ -27,6 +28,7 @@ mod cells;
 pub mod contour;
 pub mod deposit;
 pub mod drawing;
+pub mod estimate;
 pub mod fiber;
 pub mod fill;
 pub mod gcode;

@@ -26,10 +26,32 @@ const MAX_LAYERS_OF_CELL: f64 = 4.0;
 /// But never more than this: some seconds of growing, and 3 GB.
 const MAX_CELLS: u64 = 1_000_000;
 
+/// About as many cells as a part gets with this edge: its volume holds so many, and half of its surface.
+fn count_of(edge: f64, part: &Part) -> f64 {
+    part.mesh.volume() / edge.powi(3) + part.mesh.area() / (2.0 * edge.powi(2))
+}
+
+/// The same cells, but no more than `most`.
+fn at_most(most: u64, cells: Resolution, part: &Part) -> Resolution {
+    match cells {
+        Resolution::Count(count) => Resolution::Count(count.min(most)),
+        Resolution::Cell(edge) if count_of(edge, part) > most as f64 => Resolution::Count(most),
+        other => other,
+    }
+}
+
+/// About how many cells a part gets in a full run, unless the user says; none for a height that is the edge of a cell.
+pub fn cells_of_full_run(height_mm: Option<f64>, part: &Part) -> u64 {
+    match height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part)) {
+        Resolution::Count(count) => count,
+        Resolution::Cell(edge) => count_of(edge, part).round() as u64,
+        _ => CELLS,
+    }
+}
+
 /// The cells of a part with layers of a printer: as high as a layer, or higher where they would be too many.
 fn cells_for(height_mm: f64, part: &Part) -> Resolution {
-    // The part touches about as many as its volume holds and half of its surface.
-    let count = |edge: f64| part.mesh.volume() / edge.powi(3) + part.mesh.area() / (2.0 * edge.powi(2));
+    let count = |edge: f64| count_of(edge, part);
     let highest_mm = MAX_LAYERS_OF_CELL * height_mm;
     if count(height_mm) <= CELLS as f64 {
         Resolution::Cell(height_mm)
@@ -130,7 +152,10 @@ struct OnMould {
 /// Cells of the size that a saved field has, or the user asks for, or that follows from the layer height; without those in the mould.
 fn standing(options: &FieldOptions, given: &Given, bars: &Bars) -> Result<(Voxelisation, Option<OnMould>), Failure> {
     let Given { part, mould, saved, .. } = given;
-    let derived = || options.layers.height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part));
+    let derived = || {
+        let derived = options.layers.height_mm.map_or(Resolution::Count(CELLS), |height_mm| cells_for(height_mm, part));
+        options.max_cells.map_or(derived, |most| at_most(most, derived, part))
+    };
     let of_saved = |saved| surfaces::resolution(saved, part, mould.is_some());
     let resolution = saved.as_ref().map(of_saved).or(options.resolution).unwrap_or_else(derived);
     let voxel_options = VoxelOptions { resolution, ..VoxelOptions::default() };

@@ -5,6 +5,7 @@ mod options;
 mod results;
 mod run;
 
+pub use in_cells::cells_of_full_run;
 pub use options::{FieldOptions, Given};
 pub use results::FieldRun;
 pub use run::run;

@@ -12,6 +12,8 @@ use nalgebra::Point3;
 pub struct FieldOptions {
     /// None for cells that follow from the layer height.
     pub resolution: Option<Resolution>,
+    /// Cells that follow from the layer height are no more than this; none for no limit but that of full runs.
+    pub max_cells: Option<u64>,
     /// Depth inside the hull from which a cell counts as shadowed, in cells.
     pub eps_cells: f64,
     /// Whether a cell at exactly that depth does not count.

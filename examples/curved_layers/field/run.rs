@@ -45,7 +45,7 @@ pub fn run(
     let guided = guided(guide, &workpiece, in_cells.solid.shift, &layers)?;
     let workpiece = with_guides(workpiece, &guided);
 
-    let mut ordered = ordered(saved, &workpiece, &layers, surfaces.is_some(), &watch)?;
+    let mut ordered = ordered(saved, &workpiece, &layers, surfaces, &watch)?;
     let proven = Proven::new(&workpiece, &ordered.missed_by_hull, &watch)?;
     clock.stop();
     let finish = |(made, options)| surfaces::finish(options, made, &workpiece, &ordered.growth, part, &clock);
@@ -127,13 +127,13 @@ fn ordered(
     saved: Option<SavedField>,
     workpiece: &Workpiece,
     layers: &LayerOptions,
-    makes_surfaces: bool,
+    surfaces: Option<&SurfaceOptions>,
     watch: &Watch,
 ) -> Result<Ordered, Failure> {
     let &Watch { part, clock, progress } = watch;
     match saved {
-        Some(saved) => Ordered::saved(saved, workpiece, layers, makes_surfaces, (part, clock), progress),
-        None => Ordered::grown(workpiece, layers, makes_surfaces, part, progress),
+        Some(saved) => Ordered::saved(saved, workpiece, (layers, surfaces), (part, clock), progress),
+        None => Ordered::grown(workpiece, layers, surfaces, part, progress),
     }
 }
 

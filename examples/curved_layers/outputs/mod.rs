@@ -12,6 +12,7 @@ mod names;
 mod paths;
 mod people;
 mod pictures;
+mod preview;
 mod programs;
 mod shown;
 mod surfaces;

@@ -2,6 +2,7 @@
 //! fold, and in the summary.
 
 use super::axes;
+use super::shown::duration;
 use crate::args::Stage;
 use crate::choice::Choice;
 use crate::guide::Guide;
@@ -14,7 +15,7 @@ use curvlay_examples::table::Table;
 /// Size, layers, time, material, starts, what is wrong, and where the files are.
 pub fn table(job: &Job, results: &Results) -> Table {
     let Job { args, part, folder, setup, .. } = job;
-    let Results { field, surfaces, paths, machine, motion, choice, .. } = results;
+    let Results { field, surfaces, paths, machine, motion, preview, choice, .. } = results;
     let mut table = Table::new([part.name.as_str(), ""]);
     let mut row = |name: &str, text: String| _ = table.row([name.to_owned(), text]);
     if let Some([low, high]) = part.mesh.bounds() {
@@ -24,7 +25,9 @@ pub fn table(job: &Job, results: &Results) -> Table {
     if let Some(name) = &args.settings.name {
         row("profile", name.clone());
     }
-    if let Some(surfaces) = surfaces {
+    if let Some(run) = preview {
+        super::preview::people(job, run, &mut row);
+    } else if let Some(surfaces) = surfaces {
         let halves = surfaces.half_layers();
         let mut layers = format!("{} of {:.3} mm", surfaces.sheets.len() - halves, surfaces.height_mm);
         if halves > 0 {
@@ -88,7 +91,7 @@ fn checks(results: &Results) -> String {
     let Results { surfaces, paths, machine, motion, files, findings, .. } = results;
     let checked: Vec<&str> = [
         ("order of the cells", true),
-        ("surfaces", surfaces.is_some()),
+        ("surfaces", surfaces.is_some() && results.preview.is_none()),
         ("paths", paths.is_some()),
         ("nozzle, travels and beads", machine.is_some()),
         ("motions", motion.as_ref().is_some_and(|motion| of_run!(motion, run => run.checked.is_some()))),
@@ -109,14 +112,4 @@ fn checks(results: &Results) -> String {
         text += &format!("; {} of the bead length is unsupported", percent(on_nothing));
     }
     text
-}
-
-/// A time as one says it: `34 min`, `2 h 05 min`.
-fn duration(seconds: f64) -> String {
-    let minutes = (seconds / 60.0).round() as u64;
-    match (seconds, minutes / 60) {
-        (seconds, 0) if seconds < 60.0 => format!("{seconds:.0} s"),
-        (_, 0) => format!("{minutes} min"),
-        (_, hours) => format!("{hours} h {:02} min", minutes % 60),
-    }
 }

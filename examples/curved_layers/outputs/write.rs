@@ -1,6 +1,6 @@
 //! Writes what the stages have made: files, summary, report, and the tables on stdout.
 
-use super::{axes, build, field, machine, motion, paths, people, programs, surfaces, tmf, workcell};
+use super::{axes, build, field, machine, motion, paths, people, preview, programs, surfaces, tmf, workcell};
 use crate::args::{Extra, Stage, failure};
 use crate::job::{Job, Posed, Results};
 use crate::motion::{Motion, of_run, trajectory};
@@ -78,11 +78,13 @@ fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failur
     let Results { field, surfaces, paths, machine, motion, files, findings, .. } = results;
     let Job { args, setup, folder, part, .. } = job;
     match stage {
-        Stage::Field | Stage::Surfaces => {
+        Stage::Preview | Stage::Field | Stage::Surfaces => {
             if job.posed.is_some() {
                 folder.write_with("oriented.obj", |out| job.part.mesh.write_obj(COMMENT, out))?;
             }
-            field::products(args, field, surfaces.as_ref(), folder)?;
+            // Surfaces that stand for others are not what is printed where cells are, nor what another run goes on from.
+            let surfaces = surfaces.as_ref().filter(|_| stage != Stage::Preview);
+            field::products(args, field, surfaces, folder)?;
             surfaces.iter().try_for_each(|run| surfaces::products(args, run, folder))
         }
         Stage::Paths => paths.iter().try_for_each(|run| paths::products(args, run, folder)),
@@ -117,6 +119,10 @@ fn tables(job: &Job, results: &Results) -> [Table; 5] {
     let mut tables = stages.map(|stage| Table::new([stage, ""]));
     let [of_field, of_surfaces, of_paths, of_machine, of_motion] = &mut tables;
     field::rows(job.args, job.part, field, of_field);
+    if let Some(run) = &results.preview {
+        preview::rows(run, of_surfaces);
+        return tables;
+    }
     surfaces.iter().for_each(|run| surfaces::rows(run, of_surfaces));
     paths.iter().for_each(|run| paths::rows(job.args, run, of_paths));
     let written = machine.iter().zip(&files.gcode).zip(paths);
@@ -129,7 +135,7 @@ fn tables(job: &Job, results: &Results) -> [Table; 5] {
 
 /// All figures that there are when a stage ends.
 fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failure> {
-    let Results { field, surfaces, paths, machine, motion, files, findings, choice } = results;
+    let Results { field, surfaces, paths, machine, motion, files, findings, choice, .. } = results;
     let mut summary = Summary::new();
     let figures = &mut summary;
     field::summary(job.args, job.part, field, figures)?;
@@ -149,6 +155,10 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
         figures.set("orders_tried", choice.names().join(","))?.set("of_limits", choice.taken.excess)?;
     }
     findings.summary(figures)?;
+    if let (Some(run), Some(surfaces)) = (&results.preview, surfaces) {
+        preview::summary(job, surfaces, run, figures)?;
+        return Ok(summary);
+    }
     surfaces.iter().try_for_each(|run| surfaces::summary(run, figures))?;
     paths.iter().try_for_each(|run| paths::summary(job.args, run, figures))?;
     let written = machine.iter().zip(&files.gcode).zip(paths);
@@ -164,12 +174,24 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
 /// The build comes first, what is wrong with it beside it.
 fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> Result<Report, Failure> {
     let Results { field, surfaces, paths, machine, motion, findings, choice, .. } = results;
-    let mut report = Report::new(&format!("Curved layers: {}", job.part.name));
+    let title = if results.preview.is_some() { "Preview" } else { "Curved layers" };
+    let mut report = Report::new(&format!("{title}: {}", job.part.name));
     let said = |beside: &mut Report| {
         findings.report(beside);
         beside.table("", &people::table(job, results));
     };
+    if let (Some(run), Some(surfaces)) = (&results.preview, surfaces) {
+        preview::words(field, surfaces, run).iter().for_each(|words| _ = report.paragraph(words));
+    }
     report.beside(|first| _ = first.viewer(build), said);
+    if let (Some(_), Some(surfaces)) = (&results.preview, surfaces) {
+        preview::report(field, surfaces, &mut report);
+        field::report(job.args, field, &mut report)?;
+        report.fold("All figures", |inner| {
+            tables.iter().filter(|table| !table.rows().is_empty()).for_each(|table| _ = inner.table("", table));
+        });
+        return Ok(report);
+    }
     if let Some(choice) = choice {
         report.heading("The order of the cells").paragraph(&choice.reason()).table("", &choice.table());
     }

@@ -42,17 +42,19 @@ impl Canvas {
             let high = a[axis].max(b[axis]).max(c[axis]) - 0.5;
             low.ceil().max(0.0) as usize..((high.floor() + 1.0).max(0.0) as usize).min(side)
         };
+        let facing = area.signum();
         let columns = range(0, self.width);
         for y in range(1, self.height) {
             let sample_y = y as f64 + 0.5;
             for x in columns.clone() {
                 let sample_x = x as f64 + 0.5;
-                let weight =
-                    |p: Spot, q: Spot| ((q[0] - p[0]) * (sample_y - p[1]) - (q[1] - p[1]) * (sample_x - p[0])) / area;
-                let weights = [weight(b, c), weight(c, a), weight(a, b)];
-                if weights.iter().any(|&w| w < 0.0) {
+                // By the area: most samples of a small triangle's box lie outside of it, so the division waits.
+                let part = |p: Spot, q: Spot| (q[0] - p[0]) * (sample_y - p[1]) - (q[1] - p[1]) * (sample_x - p[0]);
+                let parts = [part(b, c), part(c, a), part(a, b)];
+                if parts.iter().any(|&part| part * facing < 0.0) {
                     continue;
                 }
+                let weights = parts.map(|part| part / area);
                 let depth = (weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) as f32;
                 let at = x + self.width * y;
                 if depth > self.depth[at] {

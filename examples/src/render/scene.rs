@@ -197,7 +197,8 @@ impl Scene {
     pub fn draw(&self, width: u32, height: u32) -> Image {
         let [width, height] = [width, height].map(|side| side.clamp(1, Image::MAX_SIDE / 2));
         let mut canvas = Canvas::new(width, height);
-        let mut points: Vec<[f64; 3]> = Vec::new();
+        // The corners of all facets come first.
+        let mut points: Vec<[f64; 3]> = Vec::with_capacity(3 * self.facets.len());
         for facet in &self.facets {
             points.extend(facet.corners.map(|p| self.camera.project(&to_f64(p))));
         }
@@ -214,9 +215,9 @@ impl Scene {
         if let Some((corners, z)) = platform {
             self.draw_platform(&mut canvas, &view, corners, *z);
         }
-        for facet in &self.facets {
+        for (facet, projected) in self.facets.iter().zip(points.chunks_exact(3)) {
             let [a, b, c] = facet.colours;
-            let corners = facet.corners.map(|p| view.spot(&to_f64(p)));
+            let corners = [0, 1, 2].map(|k| view.spot_of(projected[k]));
             canvas.triangle(corners, |w| {
                 let w = w.map(|w| w as f32);
                 [0, 1, 2].map(|i| w[0] * a[i] + w[1] * b[i] + w[2] * c[i])
@@ -309,7 +310,11 @@ impl View {
     }
 
     fn spot(&self, p: &Vector3<f64>) -> Spot {
-        let [x, y, depth] = self.camera.project(p);
+        self.spot_of(self.camera.project(p))
+    }
+
+    /// That of a projected point.
+    fn spot_of(&self, [x, y, depth]: [f64; 3]) -> Spot {
         [self.shift[0] + self.scale * x, self.shift[1] - self.scale * y, depth]
     }
 }

@@ -244,7 +244,7 @@ fn a_tag_that_ends_its_line_has_an_error_of_one_line() {
     let error = UrdfArm::read("<robot name=\"a\">\n</robot\n<", &LinkNames::default()).unwrap_err().to_string();
     assert_eq!(error.lines().count(), 1, "{error}");
     let error = UrdfArm::read("<robot name=\"a\"/\n>", &LinkNames::default()).unwrap_err().to_string();
-    assert_eq!(error, "line 1, column 18: not XML: expected '>' not '\\n'");
+    assert_eq!(error, "line 1, column 17: not XML: expected '>' not '\\n'");
 }
 
 /// A sound file of an IRB 1200, as joints.

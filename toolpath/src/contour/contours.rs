@@ -163,7 +163,7 @@ impl LevelField<'_> {
     }
 
     /// The greatest distance from the boundary.
-    fn reach(&self, bead: f64) -> Result<f64, PathError> {
+    pub(super) fn reach(&self, bead: f64) -> Result<f64, PathError> {
         let reach = self.values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
         if reach / bead > MAX_LEVELS as f64 {
             return Err(PathError::BeadTooSmall { bead, reach });
@@ -201,7 +201,7 @@ impl LevelField<'_> {
 }
 
 /// Refuses options out of their ranges.
-fn check(options: &PathOptions) -> Result<(), PathError> {
+pub(crate) fn check(options: &PathOptions) -> Result<(), PathError> {
     let PathOptions { bead, min_gap: gap, join_distance, min_length, min_width, .. } = *options;
     if !(bead > 0.0 && bead.is_finite()) {
         return Err(PathError::Bead { bead });

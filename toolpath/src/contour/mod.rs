@@ -12,6 +12,7 @@
 //!   for any, in case something lies on them.
 //! * `join`: curves whose ends nearly meet become one. `short`: those too short to be worth a start are left out. `carry`: whether later
 //!   beads lie on them.
+//! * `expected`: how much length of beads lies where, without curves.
 //! * `zigzag`: rows to and fro, from where `cut` cuts the surface; `rows` joins them.
 //!
 //! Departures: the paper joins offsets that lie near each other, and smooths the curve by an optimisation afterwards.
@@ -24,6 +25,7 @@ mod contours;
 mod crossing;
 mod curve;
 mod cut;
+mod expected;
 mod join;
 mod narrow;
 mod plan;
@@ -39,8 +41,11 @@ mod widths;
 mod zigzag;
 
 pub(crate) use carry::{Place, carriers};
+pub(crate) use contours::check;
 pub(crate) use curve::Loop;
 pub(crate) use cut::Cut;
+pub(crate) use expected::ExpectedBeads;
 pub(crate) use rows::{Rim, Row, end, joined};
 pub(crate) use segments::Segments;
 pub use spacing::BEAD_WIDTHS;
+pub(crate) use spacing::BeadsAt;

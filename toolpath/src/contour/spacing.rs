@@ -44,6 +44,15 @@ const AHEAD: [f64; 2] = [0.15, 1.0];
 /// A point this near to a level, as a share of the way to the next, is on it.
 const BETWEEN: f64 = 0.05;
 
+/// Beads at a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct BeadsAt {
+    /// Length of beads by area, in millimetres by square millimetre; 0 where no bead fits.
+    pub per_mm: f64,
+    /// Their width, in millimetres.
+    pub width: f64,
+}
+
 /// Where the levels of rings are, and how wide beads are.
 pub(super) struct Spacing<'f, 'd> {
     field: &'f LevelField<'d>,
@@ -125,9 +134,14 @@ impl<'f, 'd> Spacing<'f, 'd> {
 
     /// The distance of a ring's level for a number of rings and a ridge, and the width of its bead.
     fn place(&self, level: usize, rings: f64, ridge: f64) -> [f64; 2] {
-        let fewer = rings.floor();
-        let [one, other] = [fewer, fewer + 1.0].map(|rings| place(level, rings, ridge / self.bead));
-        [0, 1].map(|k| self.bead * (one[k] + (other[k] - one[k]) * (rings - fewer)))
+        let (fewer, ridge) = (rings.floor(), ridge / self.bead);
+        let (share, one) = (rings - fewer, place(level, fewer, ridge));
+        // Mostly a whole number of rings fits.
+        if share <= 0.0 {
+            return one.map(|value| self.bead * value);
+        }
+        let other = place(level, fewer + 1.0, ridge);
+        [0, 1].map(|k| self.bead * (one[k] + (other[k] - one[k]) * share))
     }
 
     /// The refined triangle that has a point, and weights of its corners.
@@ -182,6 +196,21 @@ impl<'f, 'd> Spacing<'f, 'd> {
         let width = low[1] + (high[1] - low[1]) * share;
         let between = share.min(1.0 - share) > BETWEEN;
         (width.clamp(BEAD_WIDTHS[0] * self.bead, BEAD_WIDTHS[1] * self.bead), between)
+    }
+
+    /// Length of beads by area, and their width, at a distance from the boundary within a triangle of the field.
+    pub fn beads_at(&self, value: f64, corners: [u32; 3], min_width: f64) -> BeadsAt {
+        let bead = self.bead;
+        if !self.fits() {
+            return BeadsAt { per_mm: 1.0 / bead, width: bead };
+        }
+        let mean = |of: &[f64]| corners.iter().map(|&v| of[v as usize]).sum::<f64>() / 3.0;
+        let (rings, ridge) = (mean(&self.rings), mean(&self.ridge) / bead);
+        let fewer = rings.floor();
+        let [one, other] = [fewer, fewer + 1.0].map(|rings| share(value / bead, rings, ridge, min_width));
+        // Shares of the area add up, widths do not.
+        let [per, covered] = [0, 1].map(|k| one[k] + (other[k] - one[k]) * (rings - fewer));
+        BeadsAt { per_mm: per / bead, width: if per > 0.0 { covered / per * bead } else { 0.0 } }
     }
 
     /// The width of a single bead along the medial axis; none where it is too narrow for one.
@@ -290,6 +319,30 @@ fn place(level: usize, m: f64, ridge: f64) -> [f64; 2] {
     let width = ((ridge - outer) / inner).clamp(BEAD_WIDTHS[0], BEAD_WIDTHS[1]);
     let level = level as f64;
     if level < outer { [level + 0.5, 1.0] } else { [outer + (level - outer + 0.5) * width, width] }
+}
+
+/// A single bead in a strip of this width, in beads: length by area, and the share of the area that it covers. None where the strip is narrower
+/// than `min_width`.
+fn single_in(strip: f64, min_width: f64) -> [f64; 2] {
+    if strip < min_width {
+        return [0.0; 2];
+    }
+    [1.0 / strip, strip.clamp(min_width, BEAD_WIDTHS[1]) / strip]
+}
+
+/// Beads at a distance from the boundary, if there are `m` rings below a ridge, all in beads: length by area, and the share of the area that
+/// they cover.
+fn share(at: f64, m: f64, ridge: f64, min_width: f64) -> [f64; 2] {
+    if m < 1.0 {
+        return single_in(2.0 * ridge, min_width);
+    }
+    let inner = m.min(INNER as f64);
+    let outer = m - inner;
+    if at < outer {
+        return [1.0; 2];
+    }
+    let per = inner / (ridge - outer).max(inner * BEAD_WIDTHS[0]);
+    [per, per * place(outer as usize, m, ridge)[1]]
 }
 
 /// The distance of the ridge above each vertex.

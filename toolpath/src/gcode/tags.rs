@@ -81,8 +81,7 @@ impl Tags {
 impl Tagged {
     /// Appends what a mark says that the file does not have yet. Returns the number of lines.
     pub fn write(&mut self, tags: Tags, mark: &Mark, text: &mut Text) -> u64 {
-        let lines = |text: &Text| text.0.iter().filter(|&&byte| byte == b'\n').count();
-        let before = lines(text);
+        let before = text.0.len();
         match (tags, *mark) {
             (Tags::None, _) => {}
             (Tags::Cura, Mark::Layer { number, .. }) => {
@@ -104,7 +103,8 @@ impl Tagged {
                 }
             }
         }
-        (lines(text) - before) as u64
+        // What was there before may be a whole block of a file.
+        text.0[before..].iter().filter(|&&byte| byte == b'\n').count() as u64
     }
 
     fn size(&mut self, which: usize, name: &str, value: f64, text: &mut Text) {

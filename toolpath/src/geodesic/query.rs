@@ -40,12 +40,19 @@ pub(crate) struct TriangleLights {
     triangle: Option<u32>,
     origin: Point3<f64>,
     axes: [Vector3<f64>; 2],
-    lights: Vec<Light>,
+    /// The middle, laid flat.
+    middle: [f64; 2],
+    /// With the length of the way to the middle, shortest first.
+    lights: Vec<(f64, Light)>,
 }
 
+/// A light that is later at the middle than this share more than it may be still counts: far above rounding.
+const ROUNDING: f64 = 1e-9;
+
 impl Light {
-    #[inline]
     /// The length of the way to a point, if less than `best`, and where it comes from: a vector of any length.
+    // The search asks some ten lights for each distance, and mostly needs no direction.
+    #[inline(always)]
     fn reach(&self, p: [f64; 2], best: f64) -> Option<(f64, [f64; 2])> {
         let [dx, dy] = [p[0] - self.from[0], p[1] - self.from[1]];
         // No bent way is shorter than the straight one. Most lights lose here: no root for them.
@@ -89,16 +96,19 @@ impl TriangleLights {
         }
         self.triangle = Some(triangle);
         (self.origin, self.axes) = distance.axes(triangle);
-        self.lights.clear();
-        distance.lights(triangle, |light| self.lights.push(light));
         // The likeliest first, so that the others lose early.
         let [u, v] = [1, 2].map(|k| {
             let mesh = distance.mesh();
             self.flat(mesh.vertices()[mesh.triangles()[triangle as usize][k] as usize])
         });
         let middle = [(u[0] + v[0]) / 3.0, (u[1] + v[1]) / 3.0];
-        let there = |light: &Light| light.reach(middle, f64::INFINITY).map_or(f64::INFINITY, |(distance, _)| distance);
-        self.lights.sort_by_cached_key(|light| there(light).to_bits()); // in the order of positive numbers
+        self.middle = middle;
+        self.lights.clear();
+        distance.lights(triangle, |light| {
+            let there = light.reach(middle, f64::INFINITY).map_or(f64::INFINITY, |(distance, _)| distance);
+            self.lights.push((there, light));
+        });
+        self.lights.sort_by(|one, other| one.0.total_cmp(&other.0));
     }
 
     /// A point of the triangle laid flat.
@@ -108,29 +118,35 @@ impl TriangleLights {
 
     /// The distance at a point laid flat.
     pub fn distance(&self, p: [f64; 2]) -> f64 {
-        self.lights.iter().fold(f64::INFINITY, |best, light| light.reach(p, best).map_or(best, |(found, _)| found))
+        self.least(p).0
     }
 
     /// The distances at some points laid flat.
     pub fn distances<const N: usize>(&self, points: [[f64; 2]; N]) -> [f64; N] {
-        let mut best = [f64::INFINITY; N];
-        for light in &self.lights {
-            for (best, &p) in best.iter_mut().zip(&points) {
-                *best = light.reach(p, *best).map_or(*best, |(found, _)| found);
-            }
-        }
-        best
+        points.map(|p| self.distance(p))
     }
 
     /// The distance, and how it grows along a direction in the plane.
     pub fn slope(&self, p: [f64; 2], [u, v]: [f64; 2]) -> (f64, f64) {
-        let mut best = (f64::INFINITY, [0.0; 2]);
-        for light in &self.lights {
-            best = light.reach(p, best.0).unwrap_or(best);
-        }
-        let (distance, [x, y]) = best;
+        let (distance, [x, y]) = self.least(p);
         let length = (x * x + y * y).sqrt();
         (distance, if length > 0.0 { (x * u + y * v) / length } else { 0.0 })
+    }
+
+    /// The length of the shortest way to a point laid flat, and where it comes from.
+    #[inline(always)]
+    fn least(&self, p: [f64; 2]) -> (f64, [f64; 2]) {
+        let [dx, dy] = [p[0] - self.middle[0], p[1] - self.middle[1]];
+        let from_middle = (dx * dx + dy * dy).sqrt();
+        let mut best = (f64::INFINITY, [0.0; 2]);
+        for (at_middle, light) in &self.lights {
+            // A way to the point and on to the middle is no shorter than the light's way to the middle. The lights that follow are later still.
+            if *at_middle > (best.0 + from_middle) * (1.0 + ROUNDING) {
+                break;
+            }
+            best = light.reach(p, best.0).unwrap_or(best);
+        }
+        best
     }
 }
 

@@ -19,10 +19,10 @@ use nalgebra::Point3;
 pub(crate) const TOLERANCE: f64 = 0.0125;
 
 /// Parts of the inside that reach no farther from their boundary than this, in beads, are filled solid.
-const MIN_REACH: f64 = 1.5;
+pub(crate) const MIN_REACH: f64 = 1.5;
 
 /// And those that reach no farther than this, in beads, get nothing: no bead fits.
-const MIN_BEAD_REACH: f64 = 0.375;
+pub(crate) const MIN_BEAD_REACH: f64 = 0.375;
 
 /// Infill shorter than this, in beads, is left out: it would be a start and nothing else.
 const SHORTEST: f64 = 2.0;

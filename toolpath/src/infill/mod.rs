@@ -19,9 +19,11 @@ mod site;
 mod skin;
 mod sparse;
 mod split;
+mod within;
 
 pub use error::FillError;
-pub(crate) use filled::{Filled, TOLERANCE, filled, thickness};
+pub(crate) use filled::{Filled, MIN_BEAD_REACH, MIN_REACH, TOLERANCE, filled, thickness};
 pub(crate) use site::Site;
 pub(crate) use skin::{Sites, sites};
 pub use sparse::SparseFill;
+pub(crate) use within::Solid;

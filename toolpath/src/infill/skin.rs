@@ -19,14 +19,14 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Columns reach this many thicknesses for each layer: layers are no more than that apart where they belong together.
-const COLUMN: f64 = 1.5;
+pub(super) const COLUMN: f64 = 1.5;
 
 /// Where a skin begins, in layers short of all: next to the last vertex that is covered, since the outside of the part may be anywhere between
 /// it and the first that is not.
 const SHORT: f64 = 0.05;
 
 /// How much skins grow, in beads.
-const GROWTH: f64 = 1.0;
+pub(super) const GROWTH: f64 = 1.0;
 
 /// A column this near to the edge of a triangle, as a share of the triangle, meets it: edges are no cracks.
 const EDGE: f64 = 1e-9;
@@ -108,7 +108,7 @@ fn covered(stack: &LayerStack, surface: &LayerSurface, [below, above]: [&[u32]; 
 
 /// Rims of layers that lie on each other never match, and walls are there anyway: a vertex on a rim counts as its best neighbour inside
 /// does, if that is better.
-fn past_rims(surface: &LayerSurface, counts: Vec<f64>) -> Vec<f64> {
+pub(crate) fn past_rims(surface: &LayerSurface, counts: Vec<f64>) -> Vec<f64> {
     let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
     let mut edges: Vec<[u32; 2]> = surface.triangles.iter().flat_map(sides).collect();
     edges.sort_unstable();
@@ -138,18 +138,7 @@ struct Column<'a> {
 impl Walk for Column<'_> {
     /// Nothing if the way meets the box.
     fn bound(&self, node: &Node) -> f64 {
-        let half = self.way * 0.5;
-        let middle = self.from + half - node.middle;
-        let extent = half.abs();
-        // Boxes may be as flat as their triangles, so what touches them is in them.
-        let apart = (0..3).any(|k| middle[k].abs() > (node.half[k] + extent[k]) * (1.0 + EDGE) + EDGE);
-        let across = middle.cross(&half).abs();
-        let aside = (0..3).any(|k| {
-            let [i, j] = [(k + 1) % 3, (k + 2) % 3];
-            let slack = EDGE * (1.0 + across[k]);
-            across[k] > node.half[i] * extent[j] + node.half[j] * extent[i] + slack
-        });
-        if apart || aside { f64::INFINITY } else { 0.0 }
+        if node.is_met_by(self.from, self.way) { 0.0 } else { f64::INFINITY }
     }
 
     fn matters(&self, bound: f64) -> bool {
@@ -158,31 +147,32 @@ impl Walk for Column<'_> {
 
     fn see(&mut self, triangle: &Triangle) -> bool {
         let new = self.layers.binary_search(&triangle.layer).is_ok() && !self.crossed.contains(&triangle.layer);
-        if new && meets(&triangle.corners, self.from, self.way) {
+        if new && meets(&triangle.corners, self.from, self.way).is_some() {
             self.crossed.push(triangle.layer);
         }
         self.crossed.len() == self.layers.len()
     }
 }
 
-/// Whether a straight way meets a triangle.
-fn meets([a, b, c]: &[Point3<f64>; 3], from: Point3<f64>, way: Vector3<f64>) -> bool {
+/// The share of a straight way after which it meets a triangle; none if it does not.
+pub(super) fn meets([a, b, c]: &[Point3<f64>; 3], from: Point3<f64>, way: Vector3<f64>) -> Option<f64> {
     let (one, other) = (b - a, c - a);
     let across = way.cross(&other);
     let volume = one.dot(&across);
     if volume.abs() < f64::MIN_POSITIVE {
-        return false;
+        return None;
     }
     let to = from - a;
     let u = to.dot(&across) / volume;
     let side = to.cross(&one);
     let v = way.dot(&side) / volume;
     let share = other.dot(&side) / volume;
-    u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE && (0.0..=1.0).contains(&share)
+    let is_in = u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE;
+    Some(share).filter(|share| is_in && (0.0..=1.0).contains(share))
 }
 
 /// For each vertex how far it is inside of what is covered by fewer than `skin` layers, grown: below 0 outside.
-fn grown(surface: &LayerSurface, counts: &[f64], skin: usize, growth: f64) -> Vec<f64> {
+pub(crate) fn grown(surface: &LayerSurface, counts: &[f64], skin: usize, growth: f64) -> Vec<f64> {
     let level = skin as f64 - SHORT;
     let bare = |v: u32| counts[v as usize] < level;
     let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);

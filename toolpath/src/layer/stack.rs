@@ -10,9 +10,13 @@ use super::hints::DirectionHints;
 use super::keys::{keys_by_layer, of_layer};
 use super::tree::{Keys, Tree};
 use super::triangle::Triangle;
+use crate::mesh::on_triangle;
 use crate::parallel;
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
 use std::ops::ControlFlow;
+
+/// The way to a triangle that is known bounds the search for the nearest one; this share more is far above rounding.
+const REACH_ROUNDING: f64 = 1e-9;
 
 /// The layers of a part in build order, ready for questions about what is built by now.
 #[derive(Debug)]
@@ -119,9 +123,15 @@ impl<'a> LayerStack<'a> {
         self.tree.triangles().len()
     }
 
-    /// The surface of a layer near `p`. The layer has curves, so it has a surface.
-    pub(crate) fn ground(&self, layer: u32, p: Point3<f64>) -> Option<Ground> {
-        let found = self.tree.nearest(&self.keys, p, of_layer(layer), f64::INFINITY, |_, _| true)?;
+    /// The surface of a layer near `p`. The layer has curves, so it has a surface. `near` is a triangle of the layer that may be near, and
+    /// becomes the one found: it only bounds the search.
+    pub(crate) fn ground(&self, layer: u32, p: Point3<f64>, near: &mut Option<usize>) -> Option<Ground> {
+        let search = |reach: f64| self.tree.nearest(&self.keys, p, of_layer(layer), reach, |_, _| true);
+        let to = |&triangle: &usize| {
+            (on_triangle(&self.tree.triangles()[triangle].corners, p) - p).norm() * (1.0 + REACH_ROUNDING)
+        };
+        let found = near.as_ref().map(to).and_then(search).or_else(|| search(f64::INFINITY))?;
+        *near = Some(found.triangle);
         let triangle = &self.tree.triangles()[found.triangle];
         let [a, b, c] = triangle.corners;
         let of = |from: Point3<f64>, to: Point3<f64>| {
@@ -131,5 +141,39 @@ impl<'a> LayerStack<'a> {
         let at = corners.map(|v| self.normals[layer as usize][v as usize]);
         let sum = at[0] * of(b, c) + at[1] * of(c, a) + at[2] * of(a, b);
         Some(Ground { normal: Unit::try_new(sum, 0.0), height: triangle.height })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ground_does_not_depend_on_what_was_near_before() {
+        // Two layers over a wavy grid: slow twin is the search without a bound.
+        let place = |z: f64, k: u32| {
+            let [x, y] = [f64::from(k % 9), f64::from(k / 9)];
+            Point3::new(x, y, z + 0.3 * x.sin() * (0.7 * y).cos())
+        };
+        let halves = |k: u32| [[k, k + 1, k + 10], [k, k + 10, k + 9]];
+        let triangles: Vec<[u32; 3]> = (0..72).filter(|k| k % 9 < 8).flat_map(halves).collect();
+        let spacing = vec![0.5; triangles.len()];
+        let vertices = [0.5, 1.0].map(|z| (0..81).map(|k| place(z, k)).collect::<Vec<_>>());
+        let layers = [0, 1].map(|layer: usize| BuiltLayer {
+            vertices: &vertices[layer],
+            triangles: &triangles,
+            spacing: &spacing,
+            curves: &[],
+        });
+        let stack = LayerStack::new(&layers).unwrap();
+        let mut near = [None; 2];
+        for k in 0..2000_u32 {
+            let p = Point3::new(f64::from(k * 37 % 101) / 12.0, f64::from(k * 11 % 103) / 12.0, f64::from(k % 7) / 5.0);
+            for layer in [0, 1] {
+                let found = stack.ground(layer, p, &mut near[layer as usize]).unwrap();
+                let wanted = stack.ground(layer, p, &mut None).unwrap();
+                assert_eq!((found.normal, found.height), (wanted.normal, wanted.height));
+            }
+        }
     }
 }

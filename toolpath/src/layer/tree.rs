@@ -11,6 +11,9 @@ use std::ops::Range;
 /// Triangles in a leaf.
 const LEAF: usize = 4;
 
+/// What is this near to a box, as a share of it, touches it.
+const EDGE: f64 = 1e-9;
+
 /// Boxes on the way down: triangles are halved, so no tree of 2^32 of them is deeper.
 const DEEPEST: usize = 40;
 
@@ -165,8 +168,8 @@ impl Tree {
                 }
             }
             if node.count == 0 {
-                let [one, other] = [at + 1, node.first].map(|child| enter(child as usize).map(|d| (d, child)));
-                match (one, other) {
+                let of_child = |child: u32| enter(child as usize).map(|d| (d, child));
+                match (of_child(at + 1), of_child(node.first)) {
                     (Some(one), Some(other)) if one.0 < other.0 => stack.extend([other, one]),
                     (one, other) => stack.extend(one.into_iter().chain(other)),
                 }
@@ -258,6 +261,22 @@ pub(crate) trait Walk {
 }
 
 impl Node {
+    /// Whether a straight way may meet the box.
+    pub fn is_met_by(&self, from: Point3<f64>, way: Vector3<f64>) -> bool {
+        let half = way * 0.5;
+        let middle = from + half - self.middle;
+        let extent = half.abs();
+        // Boxes may be as flat as their triangles, so what touches them is in them.
+        let apart = (0..3).any(|k| middle[k].abs() > (self.half[k] + extent[k]) * (1.0 + EDGE) + EDGE);
+        let across = middle.cross(&half).abs();
+        let aside = (0..3).any(|k| {
+            let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+            let slack = EDGE * (1.0 + across[k]);
+            across[k] > self.half[i] * extent[j] + self.half[j] * extent[i] + slack
+        });
+        !apart && !aside
+    }
+
     fn range(&self) -> Range<usize> {
         if self.count > 0 { self.first as usize..(self.first + self.count) as usize } else { 0..0 }
     }

@@ -5,7 +5,7 @@
 
 use super::field::LevelField;
 use super::levels::Levels;
-use super::rings::trace;
+use super::rings::{Falling, Seen, trace};
 use super::{LevelSetError, Ring};
 use crate::mesh::SurfacePoint;
 use crate::union_find::{join, root};
@@ -47,7 +47,7 @@ impl LevelField<'_> {
     /// [`LevelSetError::Level`].
     ///
     /// # Cost
-    /// `O(n)` for each level, and for the bands, over `n` refined triangles.
+    /// `O(n + p)` for `n` refined triangles, of which the levels cross `p`, each counted for each level.
     ///
     /// # Example
     /// ```
@@ -81,8 +81,10 @@ impl LevelField<'_> {
         pieces.connect(self);
         let (mut bands, number) = pieces.bands(self, levels);
         let mut rings = Vec::new();
+        let falling = Falling::new(self, &pieces.slabs, levels.count());
+        let mut seen = Seen::new(self.triangles.len());
         for level in 0..levels.count() {
-            for mut traced in trace(self, levels, level) {
+            for mut traced in trace(self, levels, &pieces.slabs, level, &falling, &mut seen) {
                 let mut band = |slab: usize| {
                     let piece = pieces.of(traced.triangle, slab);
                     number[root(&mut pieces.parents, piece) as usize]

@@ -324,10 +324,11 @@ impl LayerStack<'_> {
     fn sampled(&self, layer: usize, curve: usize, options: &OrientOptions) -> Result<Sampled, OrientError> {
         let line = self.line(layer, curve);
         let mut sampled = Sampled { waypoints: Vec::new(), by_normal: 0 };
+        let mut triangle = None;
         for arc in line.samples(options.step, options.corner) {
             let (tip, width, kind) = line.at(arc);
             let no_normal = OrientError::NoNormal { layer, curve, arc };
-            let ground = self.ground(layer as u32, tip).ok_or(no_normal)?;
+            let ground = self.ground(layer as u32, tip, &mut triangle).ok_or(no_normal)?;
             let normal = ground.normal.ok_or(no_normal)?;
             let (direction, by_point) = toward::toward(self, layer as u32, tip, &ground, normal);
             sampled.by_normal += usize::from(!by_point);

@@ -45,9 +45,27 @@ const ROUNDING: f64 = 1e-9;
 /// A straight piece of a curve, with the bead on it.
 struct Piece {
     path: usize,
-    ends: [Point3<f64>; 2],
+    from: Point3<f64>,
+    /// From there to its end.
+    way: Vector3<f64>,
+    /// The square of its length.
+    square: f64,
     widths: [f64; 2],
     arcs: [f64; 2],
+}
+
+impl Piece {
+    fn new(path: usize, [from, to]: [Point3<f64>; 2], widths: [f64; 2], arcs: [f64; 2]) -> Piece {
+        let way = to - from;
+        Piece { path, from, way, square: way.norm_squared(), widths, arcs }
+    }
+
+    /// Square of the distance from a place, and how far along the closest point is, as a share.
+    fn closest(&self, place: Point3<f64>) -> (f64, f64) {
+        let share =
+            if self.square > 0.0 { ((place - self.from).dot(&self.way) / self.square).clamp(0.0, 1.0) } else { 0.0 };
+        ((self.from + self.way * share - place).norm_squared(), share)
+    }
 }
 
 /// The width of each waypoint of all paths of a layer, in millimetres.
@@ -58,12 +76,9 @@ pub(super) fn widths(stack: &LayerStack, paths: &[ToolPath]) -> Vec<f64> {
         let mut from = 0;
         while from + 1 < line.points.len() {
             let to = straight_to(&line, from);
-            pieces.push(Piece {
-                path,
-                ends: [from, to].map(|k| line.points[k]),
-                widths: [from, to].map(|k| line.widths[k]),
-                arcs: [from, to].map(|k| line.arcs[k]),
-            });
+            let ends = [from, to];
+            let (widths, arcs) = (ends.map(|k| line.widths[k]), ends.map(|k| line.arcs[k]));
+            pieces.push(Piece::new(path, ends.map(|k| line.points[k]), widths, arcs));
             from = to;
         }
     }
@@ -111,45 +126,97 @@ fn share_out(stack: &LayerStack, layer: u32, pieces: &[Piece], mut each: impl Fn
     // Which pieces may get parts of which triangle.
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     let mut widest: f64 = 0.0;
-    for (number, Piece { ends: [from, to], widths, .. }) in (0..).zip(pieces) {
+    for (number, Piece { from, way, square, widths, .. }) in (0..).zip(pieces) {
         let width = widths[0].max(widths[1]);
         widest = widest.max(width);
-        let (middle, reach) = (nalgebra::center(from, to), ((to - from).norm() + width) / 2.0);
+        let (middle, reach) = (from + way * 0.5, (square.sqrt() + width) / 2.0);
         stack.tree.within(&stack.keys, middle, of_layer(layer), reach, |t| pairs.push((t as u32, number)));
     }
     pairs.sort_unstable();
-    let (mut of_triangle, mut of_block) = (Vec::new(), Vec::new());
+    let (mut of_block, mut parts_of_block) = (Vec::new(), Parts::new());
     for pairs in pairs.chunk_by(|a, b| a.0 == b.0) {
         let triangle = &stack.tree.triangles()[pairs[0].0 as usize];
         let [a, b, c] = triangle.corners;
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         let parts = ((longest / (PART * widest)).ceil().max(1.0) as usize).min(MAX_PARTS);
         let area = triangle.normal().norm() / 2.0 / (parts * parts) as f64;
-        of_triangle.clear();
-        of_triangle.extend(pairs.iter().map(|&(_, number)| number));
+        let of_triangle = || pairs.iter().map(|&(_, number)| &pieces[number as usize]);
         // All parts of a triangle are as large, so their order makes no difference to what a bead gets.
         for block in Block::of([a, b, c], parts) {
-            block.concerned(pieces, &of_triangle, &mut of_block);
-            for middle in block.middles() {
-                if let Some((path, arc)) = nearest(pieces, &of_block, middle) {
-                    each(path, arc, area);
-                }
+            block.concerned(of_triangle(), &mut of_block);
+            parts_of_block.fill(&block);
+            of_block.iter().enumerate().for_each(|(number, candidate)| parts_of_block.offer(number, candidate.piece));
+            for (number, share) in parts_of_block.taken() {
+                let Piece { path, arcs, .. } = of_block[number].piece;
+                each(*path, arcs[0] + (arcs[1] - arcs[0]) * share, area);
             }
         }
     }
 }
 
-/// The first of the nearest pieces whose bead reaches a place: its path, and how far along that.
-fn nearest(pieces: &[Piece], among: &[u32], place: Point3<f64>) -> Option<(usize, f64)> {
-    let mut best = (f64::INFINITY, None);
-    for &number in among {
-        let Piece { path, ends: [from, to], widths, arcs } = &pieces[number as usize];
-        let (square, share) = to_segment(place, *from, *to);
-        if square < best.0 && square <= ((widths[0] + (widths[1] - widths[0]) * share) / 2.0).powi(2) {
-            best = (square, Some((*path, arcs[0] + (arcs[1] - arcs[0]) * share)));
+/// Most parts of a block.
+const MAX_BLOCK: usize = 2 * BLOCK * BLOCK;
+
+/// The parts of a block, and the first of the nearest pieces whose bead reaches the middle of each. Coordinate by coordinate, so that a piece is
+/// measured from several middles at once.
+struct Parts {
+    count: usize,
+    middles: [[f64; MAX_BLOCK]; 3],
+    /// Square of the distance of the piece that has each part; infinite where none has.
+    squares: [f64; MAX_BLOCK],
+    pieces: [u64; MAX_BLOCK],
+    /// How far along its piece the closest point is.
+    shares: [f64; MAX_BLOCK],
+}
+
+impl Parts {
+    fn new() -> Parts {
+        let zeros = [0.0; MAX_BLOCK];
+        Parts { count: 0, middles: [zeros; 3], squares: zeros, pieces: [0; MAX_BLOCK], shares: zeros }
+    }
+
+    /// Makes these the parts of a block, which no piece has yet.
+    fn fill(&mut self, block: &Block) {
+        self.count = 0;
+        for middle in block.middles() {
+            (0..3).for_each(|k| self.middles[k][self.count] = middle[k]);
+            self.count += 1;
+        }
+        self.squares = [f64::INFINITY; MAX_BLOCK];
+    }
+
+    /// Gives a piece the parts that its bead reaches and to which it is nearer than those before.
+    fn offer(&mut self, number: usize, piece: &Piece) {
+        let Piece { from, way, square, widths: [one, other], .. } = piece;
+        // A piece without length has its start everywhere.
+        let square = if *square > 0.0 { *square } else { f64::INFINITY };
+        let [xs, ys, zs] = &self.middles;
+        for k in 0..self.count.min(MAX_BLOCK) {
+            let along = (xs[k] - from.x) * way.x + (ys[k] - from.y) * way.y + (zs[k] - from.z) * way.z;
+            let share = (along / square).clamp(0.0, 1.0);
+            let x = from.x + way.x * share - xs[k];
+            let y = from.y + way.y * share - ys[k];
+            let z = from.z + way.z * share - zs[k];
+            let distance = x * x + y * y + z * z;
+            let half = (one + (other - one) * share) / 2.0;
+            let takes = (distance < self.squares[k]) & (distance <= half * half);
+            self.squares[k] = if takes { distance } else { self.squares[k] };
+            self.pieces[k] = if takes { number as u64 } else { self.pieces[k] };
+            self.shares[k] = if takes { share } else { self.shares[k] };
         }
     }
-    best.1
+
+    /// The number of the piece that has each part that has one, and the share along it.
+    fn taken(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let has = |&k: &usize| self.squares[k] < f64::INFINITY;
+        (0..self.count).filter(has).map(|k| (self.pieces[k] as usize, self.shares[k]))
+    }
+}
+
+/// A piece that may get a part of a block, and the least distance at which it may be.
+struct Candidate<'p> {
+    piece: &'p Piece,
+    least: f64,
 }
 
 /// Some of the like parts of a triangle with `parts` along each side: from places (`i`, `j`) along its sides on, [`BLOCK`] each way.
@@ -169,27 +236,25 @@ impl Block {
 
     /// Of some pieces those that may get a part of the block, in their order. A piece gets none where another is nearer all over the block
     /// and reaches all of it.
-    fn concerned(&self, pieces: &[Piece], among: &[u32], concerned: &mut Vec<u32>) {
+    fn concerned<'p>(&self, among: impl Iterator<Item = &'p Piece>, concerned: &mut Vec<Candidate<'p>>) {
         let [u, v] = self.sides;
         let half = BLOCK as f64 / 2.0;
         let middle = self.corner + u * (self.from[0] as f64 + half) + v * (self.from[1] as f64 + half);
         let radius = (u + v).norm().max((u - v).norm()) * half * (1.0 + ROUNDING);
         concerned.clear();
         let mut farthest = f64::INFINITY;
-        let reaches = |number: u32| {
-            let Piece { ends: [from, to], widths: [one, other], .. } = &pieces[number as usize];
-            (to_segment(middle, *from, *to).0.sqrt(), one.min(*other) / 2.0, one.max(*other) / 2.0)
-        };
-        for &number in among {
-            let (distance, always, ever) = reaches(number);
-            if distance + radius < always {
+        for piece in among {
+            let [one, other] = piece.widths;
+            let distance = piece.closest(middle).0.sqrt();
+            let least = distance - radius;
+            if distance + radius < one.min(other) / 2.0 {
                 farthest = farthest.min(distance + radius);
             }
-            if distance - radius <= ever * (1.0 + ROUNDING) {
-                concerned.push(number);
+            if least <= one.max(other) / 2.0 * (1.0 + ROUNDING) {
+                concerned.push(Candidate { piece, least });
             }
         }
-        concerned.retain(|&number| reaches(number).0 - radius <= farthest);
+        concerned.retain(|candidate| candidate.least <= farthest);
     }
 
     /// The middles of its parts.
@@ -222,6 +287,19 @@ mod tests {
     /// Where a piece begins, the way to its end, and its widths there.
     type Line = ([f64; 3], [f64; 3], f64, f64);
 
+    /// The first of the nearest pieces whose bead reaches a place: its path, and the share along it.
+    fn nearest(pieces: &[Piece], place: Point3<f64>) -> Option<(usize, f64)> {
+        let mut best = (f64::INFINITY, None);
+        for piece in pieces {
+            let (square, share) = piece.closest(place);
+            let [one, other] = piece.widths;
+            if square < best.0 && square <= ((one + (other - one) * share) / 2.0).powi(2) {
+                best = (square, Some((piece.path, share)));
+            }
+        }
+        best.1
+    }
+
     proptest! {
         /// Slow twin: each part of a triangle asks all pieces.
         #[test]
@@ -232,17 +310,18 @@ mod tests {
         ) {
             let piece = |(path, (from, way, one, other)): (usize, &Line)| {
                 let from = Point3::from(*from);
-                Piece { path, ends: [from, from + Vector3::from(*way)], widths: [*one, *other], arcs: [0.0, 1.0] }
+                Piece::new(path, [from, from + Vector3::from(*way)], [*one, *other], [0.0, 1.0])
             };
             let pieces: Vec<Piece> = ends.iter().enumerate().map(piece).collect();
-            let all: Vec<u32> = (0..pieces.len() as u32).collect();
-            let (mut concerned, mut count) = (Vec::new(), 0);
+            let (mut concerned, mut parts_of_block, mut count) = (Vec::new(), Parts::new(), 0);
             for block in Block::of(corners.map(Point3::from), parts) {
-                block.concerned(&pieces, &all, &mut concerned);
-                for middle in block.middles() {
-                    prop_assert_eq!(nearest(&pieces, &concerned, middle), nearest(&pieces, &all, middle));
-                    count += 1;
-                }
+                block.concerned(pieces.iter(), &mut concerned);
+                parts_of_block.fill(&block);
+                concerned.iter().enumerate().for_each(|(k, candidate)| parts_of_block.offer(k, candidate.piece));
+                let taken: Vec<_> = parts_of_block.taken().map(|(k, share)| (concerned[k].piece.path, share)).collect();
+                let wanted: Vec<_> = block.middles().filter_map(|middle| nearest(&pieces, middle)).collect();
+                prop_assert_eq!(taken, wanted);
+                count += block.middles().count();
             }
             prop_assert_eq!(count, parts * parts);
         }

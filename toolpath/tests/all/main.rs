@@ -16,6 +16,7 @@ mod drawing_surface;
 #[cfg(feature = "svg")]
 mod drawing_svg;
 mod drawing_unrolled;
+mod estimate;
 mod fiber_fields;
 mod fiber_files;
 mod fiber_stripes;

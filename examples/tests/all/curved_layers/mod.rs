@@ -10,6 +10,7 @@ mod motion;
 mod mould;
 mod outputs;
 mod paths;
+mod preview;
 mod surfaces;
 mod tmf;
 mod track;
