@@ -217,8 +217,8 @@ impl Faults {
         // The library has the last word on directions that were found here.
         let mut all: BTreeMap<u32, NozzleCell> = ordered.given.iter().map(|given| (given.cell, *given)).collect();
         reached.iter().for_each(|found| _ = all.insert(found.cell, *found));
-        let mut open: BTreeSet<u32> =
-            wanted.keys().copied().filter(|cell| !reached.iter().any(|found| found.cell == *cell)).collect();
+        let mut open: BTreeSet<u32> = wanted.keys().copied().collect();
+        reached.iter().for_each(|found| _ = open.remove(&found.cell));
         if !reached.is_empty() {
             let second = run(&all.into_values().collect::<Vec<_>>())?;
             open.extend(second.faults.iter().filter_map(|fault| match *fault {

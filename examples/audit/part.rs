@@ -23,7 +23,7 @@ impl Volume {
         let low = bounds[0] - Vector3::repeat(step);
         let sides = [0, 1, 2].map(|axis| ((bounds[1][axis] - low[axis]) / step).ceil() + 1.0);
         let count: f64 = sides.iter().product();
-        if !(count <= max_cells as f64) {
+        if count.is_nan() || count > max_cells as f64 {
             let needed = step * (count / max_cells as f64).cbrt();
             return Err(Failure::of_arguments(format!(
                 "to compare volumes in cubes of {step:.3} mm takes {count:.1e} of them, more than --max-cells {max_cells}: --step {needed:.2} would do"

@@ -24,7 +24,7 @@ const MAX_PLACE: f64 = 1e7;
 /// Reads a table. Places in millimetres are centres of cells on a lattice, whose step is `--cell` or the least difference of coordinates.
 pub fn read(reader: impl BufRead, options: &OrderOptions) -> Result<CellOrder, OrderFault> {
     let mut columns: Option<Columns> = None;
-    let mut rows: Vec<(usize, [f64; 3], u32, Option<UnitVector3<f64>>)> = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for_each_line(reader, |number, line| {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         let columns = match &columns {
@@ -114,6 +114,7 @@ fn headless(cells: &[&str], line: usize) -> Result<Columns, OrderFault> {
     Ok(Columns { place: [0, 1, 2], is_index: false, layer: 3, direction, count: cells.len(), meant })
 }
 
+/// A line: its number, the place, the layer, and the direction of the nozzle.
 type Row = (usize, [f64; 3], u32, Option<UnitVector3<f64>>);
 
 fn row(cells: &[&str], columns: &Columns, line: usize, options: &OrderOptions) -> Result<Row, OrderFault> {

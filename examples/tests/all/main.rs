@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests fail like tests
 
 mod args;
+mod audit;
 mod axis_program;
 mod best_orientation;
 mod boge;
