@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "audit")]
 pub struct Args {
-    /// What to audit: an order of cells (.csv, .vtk, field.txt)
+    /// What to audit: an order of cells (.csv, .vtk)
     #[arg(value_name = "INPUT", required = true)]
     pub input: PathBuf,
     /// The kind of the input [default: by its name and its first bytes]
@@ -25,7 +25,7 @@ pub struct Args {
     /// Number of the first layer in the file; smaller numbers are cells that are not built
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1), allow_negative_numbers = true)]
     pub first_layer: u32,
-    /// Thickness of a layer of cells in units of a growth field [default: 1; a cell for field.txt]
+    /// Thickness of a layer of cells in units of a growth field [default: 1]
     #[arg(long, value_name = "X", value_parser = above_zero, allow_negative_numbers = true)]
     pub field_step: Option<f64>,
     /// Cells of a grid, and cubes in which volumes are compared, at most: some ten bytes of memory each
@@ -118,8 +118,8 @@ pub struct AllowArgs {
     /// Share of the part that nothing covers
     #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share, allow_negative_numbers = true)]
     pub allow_uncovered: f64,
-    /// Volume outside, as a share of the part
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = from_zero, allow_negative_numbers = true)]
+    /// Share outside of the part
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = from_zero, allow_negative_numbers = true)]
     pub allow_outside: f64,
     /// Share that is laid twice
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share, allow_negative_numbers = true)]

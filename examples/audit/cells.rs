@@ -7,6 +7,7 @@ use super::part::Volume;
 use super::reach::Reach;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
+use curvlay_examples::count::counted;
 use curvlay_examples::mesh::Mesh;
 use curvlay_layers::cells::{Cells, LayerOrder};
 use curvlay_layers::curved::{Fault, JudgedByNozzle, NozzleCell, NozzleRule, Platform, Rules, audit_listing};
@@ -110,7 +111,7 @@ pub fn audit(order: &CellOrder, args: &Args, part: Option<&Mesh>, bars: &Bars) -
         let (amount, share) = (places.len() as f64, (built > 0).then(|| places.len() as f64 / built as f64));
         Found { amount, unit: "cells", share, note, ..Found::default() }.with_places(places)
     };
-    let note = format!("{} of them inside the hull of what is built before", faults.inside);
+    let note = format!("the hull of what is built before holds {}", counted(faults.inside, "cell"));
     let mut shadowed = found(faults.shadowed, note);
     shadowed.more.push(("inside_hull_cells", faults.inside as f64));
     audited.set(Check::Shadowed, Verdict::Found(shadowed));
@@ -156,14 +157,29 @@ fn coverage(ordered: &Ordered, args: &Args, part: Option<&Mesh>, audited: &mut A
     let mut volume = Volume::new([low.inf(&order.origin), high.sup(&far)], step, args.max_cells)?;
     volume.fill(mesh);
     for &cell in ordered.layers.cells() {
-        let low = order.origin + Vector3::from(position(order.dims, cell).map(f64::from)) * order.cell_mm;
-        volume.cover([low, low + Vector3::repeat(order.cell_mm)], |_| true);
+        volume.cover(grown(order, cell, 0.0));
     }
     audited.about.push(("part_volume_mm3", volume.part_mm3()));
     audited.about.push(("step_mm", step));
     audited.set(Check::Uncovered, Verdict::Found(volume.uncovered()));
-    audited.set(Check::Outside, Verdict::Found(volume.outside()));
+    let mut places = Vec::new();
+    for (layer, cells) in (1..).zip(ordered.layers.iter()) {
+        // Cells of a part stick out of it.
+        let is_outside = |&&cell: &&u32| !volume.has_part(grown(order, cell, step));
+        places.extend(cells.iter().filter(is_outside).map(|&cell| ordered.place(cell, layer, 0.0)));
+    }
+    let (amount, built) = (places.len() as f64, ordered.layers.cells().len());
+    let share = (built > 0).then(|| amount / built as f64);
+    let note = "no point of the part is in the cell or beside it".to_owned();
+    let found = Found { amount, unit: "cells", share, note, ..Found::default() }.with_places(places);
+    audited.set(Check::Outside, Verdict::Found(found));
     Ok(())
+}
+
+/// A cell as a box, larger by so much to all sides.
+fn grown(order: &CellOrder, cell: u32, by: f64) -> [Point3<f64>; 2] {
+    let low = order.origin + Vector3::from(position(order.dims, cell).map(f64::from)) * order.cell_mm;
+    [low - Vector3::repeat(by), low + Vector3::repeat(order.cell_mm + by)]
 }
 
 /// Cells with faults.

@@ -1,5 +1,6 @@
 //! What the checks found, whatever was audited: figures, places, and why a figure is absent.
 
+use curvlay_examples::count::{counted, grouped};
 use nalgebra::Point3;
 
 /// What is looked for, in the order of the table.
@@ -15,7 +16,7 @@ pub enum Check {
     Gouged,
     /// Volume of the part that nothing covers.
     Uncovered,
-    /// Volume that is laid outside of the part.
+    /// Nothing of the part is there.
     Outside,
     /// It is laid where something lies.
     LaidTwice,
@@ -133,12 +134,11 @@ impl Found {
 
     /// The amount in words.
     pub fn shown(&self) -> String {
-        let amount = if self.unit == "cells" || self.unit.is_empty() {
-            format!("{:.0}", self.amount)
-        } else {
-            format!("{:.1}", self.amount)
-        };
-        if self.unit.is_empty() { amount } else { format!("{amount} {}", self.unit) }
+        match self.unit {
+            "cells" => counted(self.amount, "cell"),
+            "" => grouped(self.amount),
+            unit => format!("{:.1} {unit}", self.amount),
+        }
     }
 }
 

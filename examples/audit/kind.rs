@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Kinds of input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
-    /// An order of cells: CSV, legacy VTK, field.txt
+    /// An order of cells: CSV, legacy VTK
     Cells,
 }
 
@@ -44,12 +44,15 @@ fn known(path: &Path) -> Result<Kind, Failure> {
     file.take(HEAD_BYTES).read_to_end(&mut bytes).map_err(|error| fault(path, &format!("cannot be read: {error}")))?;
     head.push_str(&String::from_utf8_lossy(&bytes));
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let is_field = head.starts_with("curvlay field ") || head.starts_with("# vtk DataFile");
+    let is_vtk = head.starts_with("# vtk DataFile");
     match ending.as_deref() {
         _ if head.trim().is_empty() => Err(fault(path, "is empty")),
-        _ if is_field => Ok(Kind::Cells),
+        _ if is_vtk => Ok(Kind::Cells),
         Some("csv") => Ok(Kind::Cells),
-        _ => Err(fault(path, "is of no kind that is known: cells as .csv, .vtk or field.txt; name the kind with --as")),
+        _ if head.starts_with("curvlay field ") => {
+            Err(fault(path, "is an even field, which has no order: take field.csv of the same run"))
+        }
+        _ => Err(fault(path, "is of no kind that is known: cells as .csv or .vtk; name the kind with --as")),
     }
 }
 

@@ -91,19 +91,22 @@ impl Volume {
         }
     }
 
-    /// Marks what a body within a box covers.
-    pub fn cover(&mut self, [low, high]: [Point3<f64>; 2], is_inside: impl Fn(&Point3<f64>) -> bool) {
+    /// The points of a box.
+    fn within(&self, [low, high]: [Point3<f64>; 2]) -> impl Iterator<Item = (usize, u64)> + '_ {
         let [xs, ys, zs] = [0, 1, 2].map(|axis| self.range(axis, low[axis], high[axis]));
-        for z in zs {
-            for y in ys.clone() {
-                for x in xs.clone() {
-                    let (word, bit) = self.word([x, y, z]);
-                    if self.covered[word] & bit == 0 && is_inside(&self.middle([x, y, z])) {
-                        self.covered[word] |= bit;
-                    }
-                }
-            }
-        }
+        zs.flat_map(move |z| ys.clone().map(move |y| [y, z]))
+            .flat_map(move |[y, z]| xs.clone().map(move |x| self.word([x, y, z])))
+    }
+
+    /// Marks a box as covered.
+    pub fn cover(&mut self, bounds: [Point3<f64>; 2]) {
+        let points: Vec<(usize, u64)> = self.within(bounds).collect();
+        points.into_iter().for_each(|(word, bit)| self.covered[word] |= bit);
+    }
+
+    /// Whether a box has a point of the part.
+    pub fn has_part(&self, bounds: [Point3<f64>; 2]) -> bool {
+        self.within(bounds).any(|(word, bit)| self.part[word] & bit != 0)
     }
 
     fn cube(&self) -> f64 {
@@ -117,17 +120,7 @@ impl Volume {
 
     /// What of the part nothing covers.
     pub fn uncovered(&self) -> Found {
-        self.found(|part, covered| part & !covered)
-    }
-
-    /// What is covered outside of the part.
-    pub fn outside(&self) -> Found {
-        self.found(|part, covered| covered & !part)
-    }
-
-    fn found(&self, pick: impl Fn(u64, u64) -> u64) -> Found {
-        let words: Vec<u64> =
-            self.part.iter().zip(&self.covered).map(|(&part, &covered)| pick(part, covered)).collect();
+        let words: Vec<u64> = self.part.iter().zip(&self.covered).map(|(&part, &covered)| part & !covered).collect();
         let amount = ones(words.iter().copied()) as f64 * self.cube();
         let part = self.part_mm3();
         let share = (part > 0.0).then(|| amount / part);

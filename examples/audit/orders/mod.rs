@@ -1,7 +1,6 @@
 //! Orders of cells, read from files of others and ours. `docs/formats/audit.md` states the formats.
 
 mod csv;
-mod field;
 mod lattice;
 mod vtk;
 
@@ -76,13 +75,8 @@ pub fn read(path: &Path, options: &OrderOptions) -> Result<CellOrder, Failure> {
     let file = input::open(path, input::MAX_DATA_BYTES)?;
     let mut reader = BufReader::new(file);
     let head = first_bytes(&mut reader, path)?;
-    let order = if head.starts_with(b"curvlay field ") {
-        field::read(reader, options)
-    } else if head.starts_with(b"# vtk DataFile") {
-        vtk::read(reader, options)
-    } else {
-        csv::read(reader, options)
-    };
+    let order =
+        if head.starts_with(b"# vtk DataFile") { vtk::read(reader, options) } else { csv::read(reader, options) };
     order.map_err(|OrderFault { line, what }| match line {
         0 => Failure::new(format!("{}: {what}", path.display())),
         line => Failure::new(format!("{}: line {line}: {what}", path.display())),

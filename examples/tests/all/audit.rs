@@ -135,10 +135,15 @@ fn a_part_says_what_is_missing_and_what_is_outside() {
     let mesh = input("box.obj", &common::boxes_as_obj(&[[[0; 3], [4, 4, 4]]]));
     let mut lines = block([4, 4, 4]);
     lines.retain(|(cell, _)| *cell != [3, 3, 3]);
-    lines.push(([4, 0, 0], 1));
+    // A cell beside the part is not outside: cells of a part stick out of it.
+    lines.extend([([4, 0, 0], 1), ([6, 0, 0], 1)]);
     let (.., summary, _) = of_cells("part", &lines, &["--mesh", &mesh]);
-    let volumes = ["part_volume_mm3", "uncovered_mm3", "outside_mm3"].map(|key| summary[key].as_f64().unwrap());
-    assert_eq!(volumes, [64.0, 1.0, 1.0]);
+    let volumes = ["part_volume_mm3", "uncovered_mm3"].map(|key| summary[key].as_f64().unwrap());
+    assert_eq!(volumes, [64.0, 1.0]);
+    assert_eq!(
+        (count(&summary, "outside"), summary["outside_worst"].as_str()),
+        (1, Some("x 6.50, y 0.50, z 0.50 mm, layer 1"))
+    );
     let share = summary["uncovered_share"].as_f64().unwrap();
     assert!((share - 1.0 / 64.0).abs() < 1e-12);
     assert_eq!(summary["uncovered_worst"], "x 3.50, y 3.50, z 3.50 mm");
@@ -181,7 +186,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         ("binary.csv", "0.5,0.5,0.5,1\n\u{0}\u{1}\n", "line 2"),
         ("kind.vtk", "# vtk DataFile Version 3.0\nt\nBINARY\n", "line 3: the data are BINARY"),
         ("cut.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n", "line 5"),
-        ("field.txt", "curvlay field 9\n", "field"),
+        ("field.txt", "curvlay field 9\n", "take field.csv"),
         ("other.xyz", "hello\n", "is of no kind that is known"),
     ];
     for (name, text, wanted) in bad {
