@@ -146,7 +146,8 @@ fn a_part_says_what_is_missing_and_what_is_outside() {
     );
     let share = summary["uncovered_share"].as_f64().unwrap();
     assert!((share - 1.0 / 64.0).abs() < 1e-12);
-    assert_eq!(summary["uncovered_worst"], "x 3.50, y 3.50, z 3.50 mm");
+    // The boxes in which volume is gathered meet in the middle of that cell: each holds one of its eight cubes.
+    assert_eq!(summary["uncovered_worst"], "x 3.25, y 3.25, z 3.25 mm");
 }
 
 /// The same order as places in a grid, and as a VTK file.
@@ -185,7 +186,11 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         ("one.csv", "0.5,0.5,0.5,1\n", "give --cell"),
         ("binary.csv", "0.5,0.5,0.5,1\n\u{0}\u{1}\n", "line 2"),
         ("kind.vtk", "# vtk DataFile Version 3.0\nt\nBINARY\n", "line 3: the data are BINARY"),
-        ("cut.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n", "line 5"),
+        (
+            "cut.vtk",
+            "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n",
+            "the file ends where SCALARS belongs",
+        ),
         ("field.txt", "curvlay field 9\n", "take field.csv"),
         ("other.xyz", "hello\n", "is of no kind that is known"),
     ];
