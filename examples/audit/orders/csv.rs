@@ -1,7 +1,7 @@
 //! Tables of cells: `x,y,z,layer` in millimetres, `i,j,k,layer` as indices, and our `field.csv`.
 
 use super::lattice::Lattice;
-use super::{CellOrder, Entry, OrderFault, OrderOptions, checked_dims, layer_of};
+use super::order::{CellOrder, Entry, OrderFault, OrderOptions, checked_dims, layer_of};
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::io::BufRead;
 

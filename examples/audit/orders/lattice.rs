@@ -1,6 +1,6 @@
 //! The lattice on which the centres of cells lie.
 
-use super::OrderFault;
+use super::order::OrderFault;
 
 /// A lattice of equal steps along the three axes.
 #[derive(Clone, Copy, Debug, PartialEq)]

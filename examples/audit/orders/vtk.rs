@@ -2,7 +2,7 @@
 //!
 //! W. Schroeder, K. Martin, B. Lorensen, *The VTK User's Guide*, "VTK File Formats".
 
-use super::{CellOrder, Entry, MAX_LAYER, OrderFault, OrderOptions, checked_dims, layer_by_value, layer_of};
+use super::order::{CellOrder, Entry, MAX_LAYER, OrderFault, OrderOptions, checked_dims, layer_by_value, layer_of};
 use nalgebra::Point3;
 use std::io::BufRead;
 
