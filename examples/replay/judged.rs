@@ -4,6 +4,7 @@ use super::args::Args;
 use super::court::Court;
 use super::judge::{Quantity, Worst};
 use super::program::Files;
+use super::program::command::Place;
 use super::run::Executed;
 use super::setup::Setup;
 use curvlay_examples::findings::{Findings, Severity, accept, percent};
@@ -35,14 +36,27 @@ pub fn findings(args: &Args, setup: &Setup, executed: &Executed, court: &Court) 
 
 /// `step 12 of print_001.script, 3.456 s`.
 pub fn place(executed: &Executed, gcode: bool, worst: &Worst) -> String {
+    format!("{}, after {:.2} s", command(executed, gcode, worst.place), worst.seconds)
+}
+
+/// `step 12 of print_001.script`: where no time is known.
+fn command(executed: &Executed, gcode: bool, place: Place) -> String {
     let word = if gcode { "line" } else { "step" };
-    let file = executed.files.get(worst.place.file as usize).map_or("", String::as_str);
-    format!("{word} {} of {file}, after {:.2} s", worst.place.step, worst.seconds)
+    let file = executed.files.get(place.file as usize).map_or("", String::as_str);
+    format!("{word} {} of {file}", place.step)
 }
 
 impl Judged<'_> {
+    fn is_gcode(&self) -> bool {
+        matches!(self.setup.machine, super::machine::Machine::FiveAxis(_))
+    }
+
     fn at(&self, worst: &Worst) -> String {
-        place(self.executed, matches!(self.setup.machine, super::machine::Machine::FiveAxis(_)), worst)
+        place(self.executed, self.is_gcode(), worst)
+    }
+
+    fn at_command(&self, at: Place) -> String {
+        command(self.executed, self.is_gcode(), at)
     }
 
     fn machine(&mut self) {
@@ -90,36 +104,32 @@ impl Judged<'_> {
         let obstacles = &self.executed.obstacles;
         let (count, off_mm, at) = obstacles.missed;
         if count > 0 {
-            let worst = Worst { place: at, ..Worst::default() };
             let amount = format!("{count} of {} moves, by up to {off_mm:.3} mm", obstacles.moves);
             self.findings
-                .explain(Severity::Failed, "targets are out of reach", amount, self.at(&worst))
+                .explain(Severity::Failed, "targets are out of reach", amount, self.at_command(at))
                 .cause("no joints near to those before bring the tool there: too far, or past a singular posture")
                 .try_to("compare tool and work object of the program with the workcell");
         }
         if let (count @ 1.., Some(at)) = obstacles.turned {
-            let worst = Worst { place: at, ..Worst::default() };
             let amount = format!("{count} of {} moves", obstacles.moves);
             self.findings
-                .explain(Severity::Failed, "targets are reached in other quarter turns than their configuration data say", amount, self.at(&worst))
+                .explain(Severity::Failed, "targets are reached in other quarter turns than their configuration data say", amount, self.at_command(at))
                 .cause("a joint was turned by a whole turn, or the branch of the arm is another; with ConfL\\On the controller stops there");
         }
         if let (count @ 1.., Some(at)) = obstacles.endless {
-            let worst = Worst { place: at, ..Worst::default() };
             self.findings
                 .explain(
                     Severity::Failed,
                     "moves take more than a day and are left out",
                     count.to_string(),
-                    self.at(&worst),
+                    self.at_command(at),
                 )
                 .cause("a speed or a time with a wrong unit");
         }
         if let (count @ 1.., Some(at)) = obstacles.cut {
-            let worst = Worst { place: at, ..Worst::default() };
             let amount = format!("{count} of {} moves", obstacles.moves);
             self.findings
-                .explain(Severity::Warning, "blend zones are wider than half of a move", amount, self.at(&worst))
+                .explain(Severity::Warning, "blend zones are wider than half of a move", amount, self.at_command(at))
                 .cause(
                     "ABB controllers cut such zones, Universal Robots skip the blend and say so (overlapping blends)",
                 )
