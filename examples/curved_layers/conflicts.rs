@@ -48,8 +48,6 @@ pub fn check(matches: &ArgMatches) -> Result<(), String> {
     let typed: Vec<&Arg> =
         command.get_arguments().filter(|option| is_typed(matches, option.get_id().as_str())).collect();
     let is_given = |id: &str| is_typed(matches, id);
-    // How an option is typed, without its dashes.
-    let name_of = |option: &Arg| option.get_long().unwrap_or_default().to_owned();
     let first_of =
         |ids: &[&str]| typed.iter().find(|option| ids.contains(&option.get_id().as_str())).copied().map(name_of);
     let asked = matches.get_one::<Stage>("stage").copied().unwrap_or(Stage::Gcode);
@@ -58,17 +56,9 @@ pub fn check(matches: &ArgMatches) -> Result<(), String> {
         return Err(format!("--layers ends after the paths: --stage {} does not go with it", typed_name(asked)));
     }
     let stage = if is_range { Stage::Paths } else { asked };
-    if stage == Stage::Preview {
-        of_preview(matches, &typed)?;
-    }
-    if let Some(option) = typed.iter().find(|option| stage != Stage::Preview && stage_of(option) > stage) {
-        let (name, needed) = (name_of(option), typed_name(stage_of(option)));
-        return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
-    }
-    let extras = matches.get_many::<Extra>("also").into_iter().flatten();
-    if let Some(extra) = extras.copied().find(|extra| stage != Stage::Preview && extra.stage() > stage) {
-        let [name, needed, stage] = [typed_name(extra), typed_name(extra.stage()), typed_name(stage)];
-        return Err(format!("--also {name} does nothing with --stage {stage}: it needs --stage {needed}"));
+    match stage {
+        Stage::Preview => of_preview(matches, &typed)?,
+        _ => of_stage(stage, matches, &typed)?,
     }
     if !is_given("density_percent")
         && !is_given("profile")
@@ -96,6 +86,27 @@ pub fn check(matches: &ArgMatches) -> Result<(), String> {
     }
 }
 
+/// How an option is typed, without its dashes.
+fn name_of(option: &Arg) -> String {
+    option.get_long().unwrap_or_default().to_owned()
+}
+
+/// Says which option asks for what a later stage makes.
+fn of_stage(stage: Stage, matches: &ArgMatches, typed: &[&Arg]) -> Result<(), String> {
+    if let Some(option) = typed.iter().find(|option| stage_of(option) > stage) {
+        let (name, needed) = (name_of(option), typed_name(stage_of(option)));
+        return Err(format!("--{name} does nothing with --stage {}: it needs --stage {needed}", typed_name(stage)));
+    }
+    let mut extras = matches.get_many::<Extra>("also").into_iter().flatten();
+    match extras.find(|extra| extra.stage() > stage) {
+        Some(extra) => {
+            let [name, needed, stage] = [typed_name(*extra), typed_name(extra.stage()), typed_name(stage)];
+            Err(format!("--also {name} does nothing with --stage {stage}: it needs --stage {needed}"))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Options that ask for what a preview does not make. It accepts all others: it is of the run that they describe.
 const NOT_OF_PREVIEW: [&str; 3] = ["merge", "compare", "statistics"];
 
@@ -103,7 +114,7 @@ const NOT_OF_PREVIEW: [&str; 3] = ["merge", "compare", "statistics"];
 fn of_preview(matches: &ArgMatches, typed: &[&Arg]) -> Result<(), String> {
     let what = "does nothing with --stage preview, which makes no paths and no files of layers";
     if let Some(option) = typed.iter().find(|option| NOT_OF_PREVIEW.contains(&option.get_id().as_str())) {
-        return Err(format!("--{} {what}", option.get_long().unwrap_or_default()));
+        return Err(format!("--{} {what}", name_of(option)));
     }
     let mut extras = matches.get_many::<Extra>("also").into_iter().flatten();
     match extras.find(|extra| **extra != Extra::Gltf) {
