@@ -41,7 +41,9 @@ impl Model {
         let (header, columns) = self.pack();
         // `<` in JSON would end the element early.
         let header = header.to_string().replace('<', "\\u003c");
-        let mut html = String::from("<section class=\"viewer\" aria-label=\"the build\">\n");
+        // Without steps there is no time to go through.
+        let still = if self.steps.is_empty() { " data-still" } else { "" };
+        let mut html = format!("<section class=\"viewer\"{still} aria-label=\"the build\">\n");
         let _ = write!(
             html,
             "{CONTROLS}<script type=\"application/json\" class=\"view-header\">{header}</script>\n\

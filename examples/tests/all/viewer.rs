@@ -176,6 +176,25 @@ impl Drop for Browser {
     }
 }
 
+/// Bug: models without steps had a slider for the time in a layer, and a button that played nothing.
+#[test]
+fn without_steps_there_is_nothing_to_play() {
+    let step = Step {
+        tip: Point3::origin(),
+        direction: Vector3::z(),
+        width: 0.5,
+        height: 0.3,
+        kind: 0,
+        layer: 0,
+        path: 0,
+        seconds: 1.0,
+    };
+    for (steps, still) in [(vec![], " data-still"), (vec![step], "")] {
+        let page = Model { kinds: vec!["wall".into()], steps, ..Model::default() }.to_html();
+        assert!(page.starts_with(&format!("<section class=\"viewer\"{still} aria-label")));
+    }
+}
+
 #[test]
 fn the_script_is_small() {
     assert!(SCRIPT.len() <= 40_000, "{} bytes", SCRIPT.len());
