@@ -256,9 +256,8 @@ mod tests {
     use nalgebra::Point3;
     use std::ops::ControlFlow;
 
-    #[test]
-    fn along_an_edge_is_as_in_the_triangle() {
-        // A grid over saddles, with sources along its whole boundary, and from one vertex only.
+    /// A grid over saddles.
+    fn saddles() -> SurfaceMesh {
         let at = |i: u32, j: u32| i + 9 * j;
         let place = |k: u32| (f64::from(k % 9), f64::from(k / 9));
         let lifted =
@@ -266,11 +265,42 @@ mod tests {
         let cells = (0..64).map(|k| (k % 8, k / 8));
         let halves = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
         let vertices = (0..81).map(place).map(lifted).collect();
-        let mesh = SurfaceMesh::new(vertices, cells.flat_map(halves).collect()).unwrap();
+        SurfaceMesh::new(vertices, cells.flat_map(halves).collect()).unwrap()
+    }
+
+    /// To its whole boundary, and from one vertex only.
+    fn distances(mesh: &SurfaceMesh) -> [SurfaceDistance<'_>; 2] {
         let go_on = |_| ControlFlow::Continue(());
         let from_corner = Sources { vertices: &[0], ..Sources::default() };
-        let to_boundary = SurfaceDistance::to_boundary(&mesh, &go_on).unwrap();
-        for distance in [to_boundary, SurfaceDistance::to(&mesh, from_corner, &go_on).unwrap()] {
+        [SurfaceDistance::to_boundary(mesh, &go_on).unwrap(), SurfaceDistance::to(mesh, from_corner, &go_on).unwrap()]
+    }
+
+    /// Slow twin: [`SurfaceDistance::at`] asks all lights, in the order of the edges. Places up to the sides and corners of each triangle.
+    #[test]
+    fn the_search_that_ends_early_finds_the_least_of_all_lights() {
+        let mesh = saddles();
+        let mut lights = TriangleLights::default();
+        for distance in distances(&mesh) {
+            for (triangle, corners) in (0..).zip(mesh.triangles()) {
+                lights.load(&distance, triangle);
+                for (i, j) in (0..=12_u32).flat_map(|i| (0..=12 - i).map(move |j| (i, j))) {
+                    let shares = [12 - i - j, i, j].map(|k| f64::from(k) / 12.0);
+                    let place = corners.iter().zip(shares);
+                    let place = place.map(|(v, share)| mesh.vertices()[*v as usize].coords * share);
+                    let (near, (all, slope)) = (distance.at(triangle, shares), {
+                        let p = lights.flat(Point3::from(place.sum::<Vector3<f64>>()));
+                        (lights.distance(p), lights.slope(p, [1.0, 0.0]).0)
+                    });
+                    assert!((near.distance - all).abs() < 1e-12 && (all - slope).abs() <= 0.0, "{near:?} {all}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn along_an_edge_is_as_in_the_triangle() {
+        let mesh = saddles();
+        for distance in distances(&mesh) {
             for h in 0..mesh.half_edges() {
                 for share in [0.0, 0.1, 0.37, 0.5, 0.82, 1.0] {
                     let mut barycentric = [0.0; 3];
