@@ -2,7 +2,7 @@
 //!
 //! For a first look at a part. A few surfaces, evenly spread over the layers, stand for all of them ([`Samples`]). On each the exact
 //! distance to its boundary says where rings of beads lie and how wide they are ([`contour`](crate::contour)), so the length of beads is
-//! an integral over the surface: area by beads across (`region`). Where layers are not solid, walls, skins and infill are told apart as
+//! an integral over the surface: area by beads across (`region`). Where layers are not solid, walls, skins and infill are distinguished as
 //! [`infill`](crate::infill) does, but how far it is to the outside of the part is asked of its mesh. From length, width and thickness
 //! follow volume and time, by the rules of [`deposit`](crate::deposit).
 //!
