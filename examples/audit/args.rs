@@ -1,12 +1,11 @@
 //! The arguments, each declared once.
 
-use super::kind::Kind;
 use clap::Parser;
 use curvlay_examples::args::{Common, MeshArgs, above_zero, from_zero, share};
 use curvlay_examples::mesh::{Unit, Up};
 use std::path::PathBuf;
 
-/// Scores anybody's result: what the nozzle cannot reach, what lies on nothing, what is gouged, missing or laid twice.
+/// Scores an order of cells from any program: what the nozzle cannot reach, what lies on nothing, what is gouged, missing or laid twice.
 ///
 /// Exit status: 0 done. 1 input or output cannot be used. 2 the arguments cannot be used, or not together. 3 done, but a check failed: each is a line on
 /// stderr, a notice in report.html and a line in summary.json.
@@ -16,9 +15,6 @@ pub struct Args {
     /// What to audit: an order of cells (.csv, .vtk)
     #[arg(value_name = "INPUT", required = true)]
     pub input: PathBuf,
-    /// The kind of the input [default: by its name and its first bytes]
-    #[arg(long = "as", value_name = "KIND")]
-    pub kind: Option<Kind>,
     /// Edge of a cell in millimetres [default: the least step between coordinates; 1 for indices]
     #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub cell_mm: Option<f64>,

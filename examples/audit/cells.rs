@@ -61,7 +61,7 @@ impl<'a> Ordered<'a> {
 
     fn place(&self, cell: u32, layer: u32, size: f64) -> Place {
         let number = (layer as usize).checked_sub(1).and_then(|at| self.numbers.get(at).copied());
-        Place { at: centre(self.order, position(self.order.dims, cell)), layer: number, line: None, size }
+        Place { at: centre(self.order, position(self.order.dims, cell)), layer: number, size }
     }
 }
 
@@ -127,10 +127,8 @@ pub fn audit(order: &CellOrder, args: &Args, part: Option<&Mesh>, bars: &Bars) -
         audited.set(Check::Gouged, Verdict::Found(found(faults.gouged, note)));
     }
     audited.set(Check::LaidTwice, Verdict::Found(found(faults.twice, "cells that are in a layer already".into())));
-    audited.absent(Check::Starts, "cells have no paths");
-    audited.absent(Check::SharpTurns, "cells have no paths");
     coverage(&ordered, args, part, &mut audited)?;
-    audited.pictures = super::drawn_cells::pictures(order, &audited)?;
+    audited.pictures = super::drawn_cells::pictures(order, &ordered.rows, &audited)?;
     Ok(audited)
 }
 

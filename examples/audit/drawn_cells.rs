@@ -15,13 +15,12 @@ const MAX_DRAWN: usize = 100_000_000;
 ///
 /// # Errors
 /// None for orders that are read; what the renderer says.
-pub fn pictures(order: &CellOrder, audited: &Audited) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+pub fn pictures(order: &CellOrder, rows: &[u64], audited: &Audited) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let [nx, ny, nz] = order.dims.map(|side| side as usize);
     let len = nx * ny * nz;
     if len > MAX_DRAWN {
         return Ok(Vec::new());
     }
-    let mut rows = vec![0u64; nx.div_ceil(64) * ny * nz];
     let mut layers = vec![0u32; len];
     // Numbers of a file may have gaps and millions; colours need ranks.
     let mut numbers: Vec<u32> = order.entries.iter().map(|entry| entry.layer).filter(|&layer| layer > 0).collect();
@@ -29,11 +28,10 @@ pub fn pictures(order: &CellOrder, audited: &Audited) -> Result<Vec<(String, Vec
     numbers.dedup();
     for entry in &order.entries {
         let [x, y, z] = entry.cell.map(|at| at as usize);
-        rows[nx.div_ceil(64) * (y + ny * z) + x / 64] |= 1 << (x % 64);
         let rank = numbers.binary_search(&entry.layer).map_or(0, |rank| rank as u32 + 1);
         layers[x + nx * (y + ny * z)] = rank;
     }
-    let cells = LayeredCells::new(order.dims, &rows, &layers)?;
+    let cells = LayeredCells::new(order.dims, rows, &layers)?;
     let (last, missed) = (numbers.len() as u32, cells.missed());
     let worst: Vec<(String, Vector3<f64>)> = audited
         .in_order()

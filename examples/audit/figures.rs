@@ -1,6 +1,6 @@
-//! What the checks found, whatever was audited: figures, places, and why a figure is absent.
+//! What the checks found: figures, places, and why a figure is absent.
 
-use curvlay_examples::count::{counted, grouped};
+use curvlay_examples::count::counted;
 use nalgebra::Point3;
 
 /// What is looked for, in the order of the table.
@@ -20,15 +20,11 @@ pub enum Check {
     Outside,
     /// It is laid where something lies.
     LaidTwice,
-    /// Paths.
-    Starts,
-    /// Turns of a path within a bead.
-    SharpTurns,
 }
 
 impl Check {
     /// All of them.
-    pub const ALL: [Check; 9] = [
+    pub const ALL: [Check; 7] = [
         Check::Shadowed,
         Check::Unsupported,
         Check::InAir,
@@ -36,8 +32,6 @@ impl Check {
         Check::Uncovered,
         Check::Outside,
         Check::LaidTwice,
-        Check::Starts,
-        Check::SharpTurns,
     ];
 
     /// Its name in keys of the summary.
@@ -50,8 +44,6 @@ impl Check {
             Check::Uncovered => "uncovered",
             Check::Outside => "outside",
             Check::LaidTwice => "laid_twice",
-            Check::Starts => "starts",
-            Check::SharpTurns => "sharp_turns",
         }
     }
 
@@ -60,7 +52,6 @@ impl Check {
         match self {
             Check::InAir => "in the air",
             Check::LaidTwice => "laid twice",
-            Check::SharpTurns => "sharp turns",
             other => other.key(),
         }
     }
@@ -75,8 +66,6 @@ impl Check {
             Check::Uncovered => "part of the volume is covered by nothing",
             Check::Outside => "material lies outside of the part",
             Check::LaidTwice => "material is laid where some lies",
-            Check::Starts => "paths start more often than is allowed",
-            Check::SharpTurns => "paths turn sharply more often than is allowed",
         }
     }
 }
@@ -88,8 +77,6 @@ pub struct Place {
     pub at: Point3<f64>,
     /// The layer, from 1, where there are layers.
     pub layer: Option<u32>,
-    /// The path and the line of the file, from 1, where there are paths.
-    pub line: Option<u64>,
     /// How bad: the worst comes first.
     pub size: f64,
 }
@@ -99,7 +86,7 @@ pub struct Place {
 pub struct Found {
     /// How much.
     pub amount: f64,
-    /// Of what: `cells`, `mm`, `mm2`, `mm3`; empty for counts.
+    /// Of what: `cells`, `mm3`.
     pub unit: &'static str,
     /// As a share of all, where that says something.
     pub share: Option<f64>,
@@ -136,13 +123,12 @@ impl Found {
     pub fn shown(&self) -> String {
         match self.unit {
             "cells" => counted(self.amount, "cell"),
-            "" => grouped(self.amount),
             unit => format!("{:.1} {unit}", self.amount),
         }
     }
 }
 
-/// An audit, whatever was audited.
+/// An audit.
 #[derive(Clone, Debug, Default)]
 pub struct Audited {
     /// Verdicts, each check once.

@@ -1,5 +1,5 @@
-//! Scores anybody's result, so that whoever publishes a method can quote it: what the nozzle cannot reach, what lies on nothing or in the air, what it gouges, what
-//! is missing or laid twice.
+//! Scores an order of cells from any program, so that publications can quote it: what the nozzle cannot reach, what lies on nothing or in the air, what it gouges,
+//! what is missing or laid twice.
 //!
 //! ```sh
 //! cargo run --release --example audit -- theirs.csv --mesh part.stl
@@ -11,7 +11,6 @@ mod cells;
 mod drawn_cells;
 mod figures;
 mod judged;
-mod kind;
 mod orders;
 mod outputs;
 mod part;
@@ -25,7 +24,6 @@ use curvlay_examples::mesh::Mesh;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::table::Table;
 use figures::Audited;
-use kind::{Kind, Source};
 use nalgebra::{Point3, Vector3};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -47,16 +45,15 @@ fn main() -> ExitCode {
 /// A line with what cannot be used.
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Table>, Outcome), Failure> {
     let start = Instant::now();
-    let source = kind::source(&args.input, args.kind)?;
     let mut findings = Findings::default();
     let part = part_of(args, &mut findings)?;
-    let audited = audited(args, &source, part, bars)?;
+    let audited = audited(args, part, bars)?;
     bars.finish();
     folder.clear(outputs::is_ours)?;
     judged::find(args, &audited, &mut findings);
     findings.say();
     let outcome = findings.outcome();
-    let run = outputs::Run { args, source: &source, audited: &audited, findings: &findings };
+    let run = outputs::Run { args, audited: &audited, findings: &findings };
     Ok((outputs::write(&run, folder, start.elapsed())?, outcome))
 }
 
@@ -77,28 +74,24 @@ fn move_by(mesh: &mut Mesh, by: Vector3<f64>) {
 }
 
 /// Puts the part over the middle of what was laid, if that is asked for.
-fn centred(args: &Args, part: Option<Mesh>, laid: Option<[Point3<f64>; 2]>) -> Option<Mesh> {
+fn centred(args: &Args, part: Option<Mesh>, [low, high]: [Point3<f64>; 2]) -> Option<Mesh> {
     let mut mesh = part?;
-    if let (true, Some([low, high]), Some([a, b])) = (args.part.centre, laid, mesh.bounds()) {
+    if let (true, Some([a, b])) = (args.part.centre, mesh.bounds()) {
         let off = nalgebra::center(&low, &high) - nalgebra::center(&a, &b);
         move_by(&mut mesh, Vector3::new(off.x, off.y, 0.0));
     }
     Some(mesh)
 }
 
-fn audited(args: &Args, source: &Source, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Failure> {
-    match source.kind {
-        Kind::Cells => {
-            let options = orders::OrderOptions {
-                cell_mm: args.cell_mm,
-                first_layer: args.first_layer,
-                field_step: args.field_step,
-                max_cells: args.max_cells,
-            };
-            let order = orders::read(&source.files[0], &options)?;
-            let far = order.origin + Vector3::from(order.dims.map(f64::from)) * order.cell_mm;
-            let part = centred(args, part, Some([order.origin, far]));
-            cells::audit(&order, args, part.as_ref(), bars)
-        }
-    }
+fn audited(args: &Args, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Failure> {
+    let options = orders::OrderOptions {
+        cell_mm: args.cell_mm,
+        first_layer: args.first_layer,
+        field_step: args.field_step,
+        max_cells: args.max_cells,
+    };
+    let order = orders::read(&args.input, &options)?;
+    let far = order.origin + Vector3::from(order.dims.map(f64::from)) * order.cell_mm;
+    let part = centred(args, part, [order.origin, far]);
+    cells::audit(&order, args, part.as_ref(), bars)
 }

@@ -1,10 +1,9 @@
 //! What the example leaves behind: a table on stdout, `summary.json`, `places.csv`, `report.html`.
 
 use super::args::Args;
-use super::figures::{Audited, Check, Found, Verdict};
+use super::figures::{Audited, Found, Verdict};
 use super::judged;
-use super::kind::Source;
-use curvlay_examples::args::{Failure, typed_name};
+use curvlay_examples::args::Failure;
 use curvlay_examples::findings::Findings;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -24,8 +23,6 @@ pub fn is_ours(name: &str) -> bool {
 pub struct Run<'a> {
     /// What was asked for.
     pub args: &'a Args,
-    /// What was audited.
-    pub source: &'a Source,
     /// What the checks say.
     pub audited: &'a Audited,
     /// What is wrong.
@@ -45,14 +42,13 @@ pub fn write(run: &Run, folder: &OutputFolder, time: Duration) -> Result<Vec<Tab
 
 /// A line for each place.
 fn places(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "check,x_mm,y_mm,z_mm,layer,line,size")?;
+    writeln!(out, "check,x_mm,y_mm,z_mm,layer,size")?;
     for (check, verdict) in run.audited.in_order() {
         let Verdict::Found(found) = verdict else { continue };
         for place in &found.places {
             let layer = place.layer.map_or(String::new(), |layer| layer.to_string());
-            let line = place.line.map_or(String::new(), |line| line.to_string());
             let at = place.at;
-            writeln!(out, "{},{:.4},{:.4},{:.4},{layer},{line},{:.4}", check.key(), at.x, at.y, at.z, place.size)?;
+            writeln!(out, "{},{:.4},{:.4},{:.4},{layer},{:.4}", check.key(), at.x, at.y, at.z, place.size)?;
         }
     }
     Ok(())
@@ -61,7 +57,7 @@ fn places(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 fn about(run: &Run) -> Table {
     let mut table = Table::new(["", ""]);
     table.row(["input".to_owned(), run.args.input.display().to_string()]);
-    table.row(["read as".to_owned(), format!("{}: {}", typed_name(run.source.kind), run.audited.meant)]);
+    table.row(["read as".to_owned(), run.audited.meant.clone()]);
     for (key, value) in &run.audited.about {
         table.row([key.replace('_', " "), shown(*value)]);
     }
@@ -80,8 +76,7 @@ fn table(run: &Run) -> Table {
             Verdict::Absent(why) => table.row([check.name(), "absent", "", "", why]),
             Verdict::Found(found) => {
                 let share = found.share.map_or(String::new(), |share| format!("{:.3} %", 100.0 * share));
-                let allowed =
-                    judged::allowed(run.args, check).map_or(String::new(), |(share, _)| format!("{} %", 100.0 * share));
+                let allowed = format!("{} %", 100.0 * judged::allowed(run.args, check).0);
                 table.row([check.name().to_owned(), found.shown(), share, allowed, words(found)])
             }
         };
@@ -99,14 +94,12 @@ fn words(found: &Found) -> String {
 }
 
 fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
-    let Run { args, source, audited, findings } = run;
+    let Run { args, audited, findings } = run;
     let mut summary = Summary::new();
     let mesh = args.part.mesh.as_ref().map_or("none".to_owned(), |path| path.display().to_string());
     summary
         .set("version", env!("CARGO_PKG_VERSION"))?
         .set("input", args.input.display().to_string())?
-        .set("kind", typed_name(source.kind))?
-        .set("files", source.files.len())?
         .set("read_as", audited.meant.as_str())?
         .set("mesh", mesh)?
         .set("nozzle", args.nozzle.map(|size| size.to_string()).join(","))?
@@ -122,7 +115,7 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
     }
     for (check, verdict) in audited.in_order() {
         let Verdict::Found(found) = verdict else { continue };
-        number(&mut summary, &key(check, found), found.amount)?;
+        number(&mut summary, &format!("{}_{}", check.key(), found.unit), found.amount)?;
         if let Some(share) = found.share {
             summary.set(&format!("{}_share", check.key()), share)?;
         }
@@ -139,11 +132,6 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
     findings.summary(&mut summary)?;
     summary.set_seconds("total_s", time)?;
     Ok(summary)
-}
-
-/// `shadowed_cells`, `starts`.
-fn key(check: Check, found: &Found) -> String {
-    if found.unit.is_empty() { check.key().to_owned() } else { format!("{}_{}", check.key(), found.unit) }
 }
 
 /// Counts are whole numbers in the summary.

@@ -146,7 +146,7 @@ impl Volume {
         let held = lumps.into_iter().filter(|(count, _)| *count > 0);
         held.map(|(count, sum)| {
             let at = Point3::from(sum.map(|sum| sum / f64::from(count)));
-            Place { at, layer: None, line: None, size: f64::from(count) * self.cube() }
+            Place { at, layer: None, size: f64::from(count) * self.cube() }
         })
         .collect()
     }

@@ -72,11 +72,11 @@ fn a_block_by_flat_layers_has_no_fault() {
     let figures = ["cells", "layers", "nx", "nz"].map(|key| summary[key].as_u64().unwrap());
     assert_eq!((figures, summary["cell_mm"].as_f64().unwrap()), ([36, 4, 3, 4], 1.0));
     // What cannot be known is absent, with a reason in the report; a zero would say that somebody looked.
-    assert_eq!(summary["absent"], "gouged,uncovered,outside,starts,sharp_turns");
-    assert!(!summary.contains_key("gouged_cells") && !summary.contains_key("starts"));
+    assert_eq!(summary["absent"], "gouged,uncovered,outside");
+    assert!(!summary.contains_key("gouged_cells") && !summary.contains_key("outside_cells"));
     let report = fs::read_to_string(path.join("report.html")).unwrap();
-    assert!(report.contains("cells have no paths") && report.contains("give the part as --mesh"));
-    assert_eq!(fs::read_to_string(path.join("places.csv")).unwrap(), "check,x_mm,y_mm,z_mm,layer,line,size\n");
+    assert!(report.contains("the order says no directions") && report.contains("give the part as --mesh"));
+    assert_eq!(fs::read_to_string(path.join("places.csv")).unwrap(), "check,x_mm,y_mm,z_mm,layer,size\n");
 
     // The page on formats has it all.
     let page = common::formats(Some("audit.md")) + &common::summary_keys();
@@ -92,7 +92,7 @@ fn what_lies_on_nothing_and_what_is_in_the_air() {
     let (path, summary, passes) = of_cells("air", &lines, &[]);
     assert_eq!((counts(&summary)[1..].to_vec(), passes), (vec![2, 1, 0], false));
     let places = fs::read_to_string(path.join("places.csv")).unwrap();
-    assert!(places.contains("\nin_air,2.5000,2.5000,7.5000,3,,"), "{places}");
+    assert!(places.contains("\nin_air,2.5000,2.5000,7.5000,3,0.0000\n"), "{places}");
     assert_eq!(summary["in_air_worst"], "x 2.50, y 2.50, z 7.50 mm, layer 3");
     // What is allowed is no failure.
     let (.., passes) = of_cells("allowed", &lines, &["--allow-unsupported", "0.2", "--allow-in-air", "0.2"]);
@@ -192,7 +192,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
             "the file ends where SCALARS belongs",
         ),
         ("field.txt", "curvlay field 9\n", "take field.csv"),
-        ("other.xyz", "hello\n", "is of no kind that is known"),
+        ("other.xyz", "hello\n", "line 1: no columns x,y,z"),
     ];
     for (name, text, wanted) in bad {
         let path = input(name, text);
