@@ -34,6 +34,11 @@ pub fn stencil(times: &[f64; 5]) -> [[f64; 5]; 3] {
     weights
 }
 
+/// The [stencil] of each five waypoints in a row.
+pub(crate) fn stencils(times: &[f64]) -> impl Iterator<Item = [[f64; 5]; 3]> + '_ {
+    times.windows(5).map(|times| stencil(&[times[0], times[1], times[2], times[3], times[4]]))
+}
+
 /// The jerks of Eq. 4.10 in rad/s^3 at waypoints `2..M - 2`; none for fewer than five waypoints.
 ///
 /// # Arguments
@@ -42,10 +47,9 @@ pub fn stencil(times: &[f64; 5]) -> [[f64; 5]; 3] {
 /// # Cost
 /// Linear time and memory.
 pub fn waypoint_jerks<const N: usize>(times: &[f64], joints: &[[f64; N]]) -> Vec<[f64; N]> {
-    let stencils = times.array_windows::<5>().zip(joints.array_windows::<5>());
-    stencils
-        .map(|(times, joints)| {
-            let [_, _, third] = stencil(times);
+    stencils(times)
+        .zip(joints.windows(5))
+        .map(|([_, _, third], joints)| {
             // Differences from the middle keep the digits of angles far from zero.
             std::array::from_fn(|n| (0..5).map(|k| third[k] * (joints[k][n] - joints[2][n])).sum())
         })

@@ -151,8 +151,8 @@ impl FilledLayers {
     /// ```
     pub fn bridges(&self, surfaces: &[LayerSurface]) -> Bridges {
         let mut bridges = Bridges::default();
-        for ([before, layer], surface) in self.layers.array_windows().zip(surfaces.iter().skip(1)) {
-            let (Some(before), Some(layer)) = (before, layer) else { continue };
+        for (pair, surface) in self.layers.windows(2).zip(surfaces.iter().skip(1)) {
+            let (Some(before), Some(layer)) = (&pair[0], &pair[1]) else { continue };
             let below = Below::new(before.paths.paths.iter().collect(), surface, |_| true);
             layer.paths.paths.iter().for_each(|path| bridges.add(path, surface, &below));
         }

@@ -1,8 +1,8 @@
 //! Moves of a plan with marks among them: where layers begin, and what the beads are that follow.
 
-use super as gcode;
 use super::tags::Mark;
 use crate::deposit::{Move, MoveKind};
+use crate::gcode;
 use crate::orientation::ToolPath;
 
 /// Beads whose width and height change by less than this go by the mark before, in millimetres: fitted beads change all the time, and

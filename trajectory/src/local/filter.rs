@@ -5,7 +5,7 @@ use super::error::FilterError;
 use super::options::{FilterOptions, FilterStatus, FilterStep, Filtered};
 use super::window::{Filter, Motion};
 use crate::angle::nearest_image;
-use crate::jerk::stencil;
+use crate::jerk::stencils;
 use crate::ladder::LadderNode;
 use crate::path::MIN_WAYPOINTS;
 use crate::robot::Robot;
@@ -71,7 +71,7 @@ pub(super) fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     progress: ProgressFn<'_>,
 ) -> Result<Filtered<N, F>, FilterError> {
     let mut motion = check(robot, times, start, bounds, options)?;
-    let stencils = times.array_windows::<5>().map(stencil).collect();
+    let stencils = stencils(times).collect();
     let filter = Filter { robot, bounds, weights: options.weights, stencils, caps: vec![], clear };
     let filter = filter.with_caps_of(&motion.postures);
     let waypoints = times.len();
