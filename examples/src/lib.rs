@@ -11,6 +11,7 @@ pub mod count;
 mod finding;
 pub mod findings;
 pub mod five_axis;
+pub mod gallery;
 mod html;
 pub mod input;
 pub mod mesh;

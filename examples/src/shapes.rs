@@ -111,27 +111,27 @@ fn spout(p: Point3<f64>) -> f64 {
 }
 
 /// The union of two solids with a fillet between them that starts where both are `width` away.
-fn blend(a: f64, b: f64, width: f64) -> f64 {
+pub(crate) fn blend(a: f64, b: f64, width: f64) -> f64 {
     let near = (width - (a - b).abs()).max(0.0) / width;
     a.min(b) - near * near * width / 4.0
 }
 
 /// A ball with three different radii.
-fn ellipsoid(p: Point3<f64>, centre: Point3<f64>, radii: Vector3<f64>) -> f64 {
+pub(crate) fn ellipsoid(p: Point3<f64>, centre: Point3<f64>, radii: Vector3<f64>) -> f64 {
     let d = p - centre;
     let (once, twice) = (d.component_div(&radii).norm(), d.component_div(&radii.component_mul(&radii)).norm());
     if twice > 0.0 { once * (once - 1.0) / twice } else { -radii.min() }
 }
 
 /// A round rod from `a` to `b` whose radius goes from `ra` to `rb`.
-fn cone(p: Point3<f64>, a: Point3<f64>, b: Point3<f64>, ra: f64, rb: f64) -> f64 {
+pub(crate) fn cone(p: Point3<f64>, a: Point3<f64>, b: Point3<f64>, ra: f64, rb: f64) -> f64 {
     let axis = b - a;
     let t = ((p - a).dot(&axis) / axis.norm_squared()).clamp(0.0, 1.0);
     (p - (a + axis * t)).norm() - (ra + (rb - ra) * t)
 }
 
 /// A round rod bent into a ring about `axis` (of length 1).
-fn ring(p: Point3<f64>, centre: Point3<f64>, axis: Vector3<f64>, radius: f64, thickness: f64) -> f64 {
+pub(crate) fn ring(p: Point3<f64>, centre: Point3<f64>, axis: Vector3<f64>, radius: f64, thickness: f64) -> f64 {
     let d = p - centre;
     let along = d.dot(&axis);
     ((d - axis * along).norm() - radius).hypot(along) - thickness

@@ -1,4 +1,4 @@
-//! A damaged mesh (every third triangle looks inwards, one is missing): what is wrong with it, mended windings, and its cells as text.
+//! A damaged mesh (every third triangle looks inwards, one is missing): what is wrong with it, mended windings, and a level of its cells.
 //!
 //! ```sh
 //! cargo run -p curvlay-voxel --example damaged_mesh
@@ -6,7 +6,7 @@
 
 use curvlay_voxel::inspect::{MeshReport, inspect};
 use curvlay_voxel::nalgebra::Point3;
-use curvlay_voxel::{Resolution, TextGrid, VoxelOptions, orient, polygonise, voxelise, write_text_grid};
+use curvlay_voxel::{Resolution, VoxelOptions, orient, polygonise, voxelise};
 use std::error::Error;
 use std::ops::ControlFlow;
 
@@ -44,10 +44,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (whole, holed) = (cells(&surface.triangles)?, cells(&damaged)?);
     println!("cells of the whole mesh {}, of the damaged one {}", whole.grid.count(), holed.grid.count());
 
-    let mut text = Vec::new();
-    let platform = (0..holed.grid.dims()[0]).map(|x| [x, 0]).collect();
-    write_text_grid(&TextGrid { grid: holed.grid, platform, flat: false }, &mut text)?;
-    let text = String::from_utf8(text)?;
-    println!("{}", text.lines().take(20).collect::<Vec<_>>().join("\n"));
+    // The middle level.
+    let [nx, ny, nz] = holed.grid.dims();
+    for y in 0..ny {
+        let mark = |x| if holed.grid.contains([x, y, nz / 2]) { '#' } else { '.' };
+        println!("{}", (0..nx).map(mark).collect::<String>());
+    }
     Ok(())
 }

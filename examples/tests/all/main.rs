@@ -16,6 +16,7 @@ mod curved_layers;
 mod dome_drawing;
 mod dome_stream;
 mod feature_pairs;
+mod gallery;
 mod input_files;
 mod jerk_motion;
 mod mesh;
