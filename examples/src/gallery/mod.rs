@@ -78,22 +78,24 @@ const fn part(name: &'static str, about: &'static str, options: &'static str, so
     GalleryPart { name, about, options, base: None, solid }
 }
 
-/// Layers and beads of a coarse nozzle: a part takes seconds to a minute.
-const COARSE: &str = "--layer-height 0.6 --bead 0.9";
+/// Layers and beads of a nozzle of 0.8 mm: a part takes seconds to a minute of two idle cores.
+const FINE: &str = "--layer-height 0.6 --bead 0.9";
+/// Of a coarser nozzle.
+const COARSE: &str = "--layer-height 0.8 --bead 1.2";
 
 /// The twelve parts, in the order of the page.
 pub const PARTS: [GalleryPart; 12] = [
     part(
         "boat",
         "a small boat: hull, cabin with windows, chimney",
-        COARSE,
+        FINE,
         solid(vessels::boat, [-22.0, -11.0], [22.0, 11.0, 32.0], 0.4),
     ),
-    part("pipe", "a pipe that branches", COARSE, solid(vessels::pipe, [-24.0, -10.0], [24.0, 10.0, 44.0], 0.7)),
+    part("pipe", "a pipe that branches", FINE, solid(vessels::pipe, [-24.0, -10.0], [24.0, 10.0, 44.0], 0.7)),
     part(
         "vase",
         "a vase with a wall of two beads, bulged and twisted",
-        COARSE,
+        FINE,
         solid(vessels::vase, [-21.0, -21.0], [21.0, 21.0, 50.0], 0.7),
     ),
     part(
@@ -105,14 +107,14 @@ pub const PARTS: [GalleryPart; 12] = [
     GalleryPart {
         name: "mould",
         about: "a dish laid over a mould",
-        options: COARSE,
+        options: FINE,
         base: Some(solid(vessels::dish_mould, [-26.0, -21.0], [26.0, 21.0, 13.0], 0.7)),
-        solid: solid(vessels::dish, [-24.0, -19.0], [24.0, 19.0, 17.0], 0.7),
+        solid: solid(vessels::dish, [-28.0, -23.0], [28.0, 23.0, 17.0], 0.7),
     },
     part(
         "lattice",
         "a gyroid between two plates",
-        COARSE,
+        FINE,
         solid(forms::lattice, [-13.0, -13.0], [13.0, 13.0, 26.0], 0.7),
     ),
     part(
@@ -121,14 +123,14 @@ pub const PARTS: [GalleryPart; 12] = [
         COARSE,
         solid(forms::bracket, [-2.0, -11.0], [34.0, 11.0, 34.0], 0.4),
     ),
-    part("tee", "a T whose arms hang out by 15 mm", COARSE, solid(forms::tee, [-22.0, -6.0], [22.0, 6.0, 36.0], 0.7)),
+    part("tee", "a T whose arms hang out by 15 mm", FINE, solid(forms::tee, [-22.0, -6.0], [22.0, 6.0, 36.0], 0.7)),
     part(
         "propeller",
         "a hub with three twisted blades",
         COARSE,
         solid(forms::propeller, [-26.0, -26.0], [26.0, 26.0, 16.0], 0.4),
     ),
-    part("arch", "a bridge between two feet", COARSE, solid(forms::arch, [-25.0, -7.0], [25.0, 7.0, 26.0], 0.7)),
+    part("arch", "a bridge between two feet", FINE, solid(forms::arch, [-25.0, -7.0], [25.0, 7.0, 26.0], 0.7)),
     part("hook", "a hook that ends in the air", COARSE, solid(forms::hook, [-12.0, -8.0], [36.0, 8.0, 40.0], 0.7)),
     part("tree", "a trunk with five limbs", COARSE, solid(forms::tree, [-26.0, -26.0], [26.0, 26.0, 48.0], 0.7)),
 ];
