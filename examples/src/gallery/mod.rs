@@ -109,7 +109,7 @@ pub const PARTS: [GalleryPart; 12] = [
         about: "a dish laid over a mould",
         options: FINE,
         base: Some(solid(vessels::dish_mould, [-26.0, -21.0], [26.0, 21.0, 13.0], 0.7)),
-        solid: solid(vessels::dish, [-28.0, -23.0], [28.0, 23.0, 17.0], 0.7),
+        solid: solid(vessels::dish, [-24.0, -19.0], [24.0, 19.0, 17.0], 0.7),
     },
     part(
         "lattice",

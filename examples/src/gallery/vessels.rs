@@ -87,9 +87,9 @@ pub(super) fn dish_mould(p: Point3<f64>) -> f64 {
     dome_of_mould(p)
 }
 
-/// A dish of 3 mm over the mould, cut off at z = 4, so that its rim is as thick, with a ring on it.
+/// A dish of 3 mm over the mould, cut off at z = 4 and around, where it runs out to a sharp edge, with a ring on it.
 pub(super) fn dish(p: Point3<f64>) -> f64 {
     let mould = dome_of_mould(p);
     let ring = bar(p, [0.0; 3], 2, 7.0).max(-bar(p, [0.0; 3], 2, 4.5)).max(p.z - 16.0);
-    (mould - 3.0).min(ring).max(-mould).max(4.0 - p.z)
+    (mould - 3.0).min(ring).max(-mould).max(4.0 - p.z).max(p.x.hypot(p.y * 1.25) - 22.0)
 }
