@@ -28,7 +28,7 @@ pub struct GalleryPart {
 pub struct Solid {
     /// Below zero inside; about the distance from the surface, mm.
     distance: fn(Point3<f64>) -> f64,
-    /// A box around it, its foot at z = 0.
+    /// A box around it, from z = 0 on.
     low: [f64; 2],
     high: [f64; 3],
     /// Edge of the lattice on which it is cut out, mm.
@@ -39,7 +39,7 @@ pub struct Solid {
 const ROUNDING: f64 = 1e-6;
 
 impl Solid {
-    /// The surface of the solid: watertight, in mm, its foot in the plane z = 0.
+    /// The surface of the solid above the plate z = 0: watertight, in mm.
     pub fn mesh(&self) -> Mesh {
         // Half a cell between lattice and plate keeps the foot smooth.
         let low = Point3::new(self.low[0], self.low[1], -2.5 * self.cell);
