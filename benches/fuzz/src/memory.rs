@@ -15,7 +15,8 @@ fn grow(bytes: usize) {
     if live > MAX_BYTES {
         LIVE.store(0, Ordering::Relaxed); // the report needs memory, too
         eprintln!("out of memory: {live} bytes are live, {bytes} of them asked for now");
-        panic!("more than {MAX_BYTES} bytes are live");
+        eprintln!("{}", std::backtrace::Backtrace::force_capture());
+        std::process::abort(); // a panic must not leave an allocator
     }
 }
 
