@@ -168,7 +168,7 @@ fn sheet(bytes: &mut Bytes) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
         [[a, a + 1, a + nx + 1], [a, a + nx + 1, a + nx]]
     };
     let mut triangles: Vec<[u32; 3]> = (0..(nx - 1) * (ny - 1)).flat_map(quad).collect();
-    for _ in 0..bytes.below(4) {
+    for _ in 0..bytes.below(4).min(triangles.len() as u32 - 1) {
         triangles.swap_remove(bytes.below(triangles.len() as u32) as usize);
     }
     (vertices, triangles)
