@@ -94,7 +94,8 @@ impl Depth {
 /// The half-space `normal . p <= offset` that a facet bounds.
 ///
 /// A point lies strictly outside when `normal . p > offset`, and counts as deep below this plane when
-/// `normal . p <= inner`. All numbers are exact for points with coordinates below 2^15.
+/// `normal . p <= inner`. All numbers are exact for points with coordinates below 2^15; where they leave 64 bits they are the nearest
+/// that are left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plane {
     /// Outward normal, not of unit length.
@@ -110,12 +111,12 @@ impl Plane {
     pub(crate) fn through(normal: [i64; 3], p: [i32; 3], depth: Depth) -> Self {
         let squared = normal.iter().map(|&c| u128::from(c.unsigned_abs()).pow(2)).sum();
         let offset = dot(normal, p);
-        Plane { normal, offset, inner: offset - depth.margin(squared) }
+        Plane { normal, offset, inner: offset.saturating_sub(depth.margin(squared)) }
     }
 
     /// Height of `p` over the plane, times the length of the normal: positive outside.
     pub fn height(&self, p: [i32; 3]) -> i64 {
-        dot(self.normal, p) - self.offset
+        dot(self.normal, p).saturating_sub(self.offset)
     }
 
     /// Whether `p` is not deep below this plane: one such plane proves that `p` is not deep in the body.
@@ -125,7 +126,7 @@ impl Plane {
 
     /// How far `inner` lies below `offset`.
     pub fn margin(&self) -> i64 {
-        self.offset - self.inner
+        self.offset.saturating_sub(self.inner)
     }
 
     /// The plane through `p` with this outward normal, not of unit length, below which points count as deep from `depth` on.
@@ -149,8 +150,8 @@ impl Plane {
     pub fn reduced(&self) -> Plane {
         let divisor = divisor(self.normal);
         let offset = self.offset / divisor;
-        let margin = -(-self.margin()).div_euclid(divisor);
-        Plane { normal: self.normal.map(|c| c / divisor), offset, inner: offset - margin }
+        let margin = nearest(-(-i128::from(self.margin())).div_euclid(divisor.into()));
+        Plane { normal: self.normal.map(|c| c / divisor), offset, inner: offset.saturating_sub(margin) }
     }
 
     /// Length of the normal.
@@ -161,7 +162,12 @@ impl Plane {
 
 /// `normal . p`.
 pub(crate) fn dot(normal: [i64; 3], p: [i32; 3]) -> i64 {
-    normal[0] * i64::from(p[0]) + normal[1] * i64::from(p[1]) + normal[2] * i64::from(p[2])
+    nearest((0..3).map(|k| i128::from(normal[k]) * i128::from(p[k])).sum())
+}
+
+/// The nearest number of 64 bits.
+fn nearest(number: i128) -> i64 {
+    number.clamp(i64::MIN.into(), i64::MAX.into()) as i64
 }
 
 /// The difference `a - b`.
@@ -171,7 +177,7 @@ pub(crate) fn minus(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
 
 /// The greatest common divisor of the coordinates; 1 for a zero vector.
 pub(crate) fn divisor(v: [i64; 3]) -> i64 {
-    v.iter().fold(0, |divisor, &c| gcd(divisor, c.unsigned_abs())).max(1) as i64
+    v.iter().fold(0, |divisor, &c| gcd(divisor, c.unsigned_abs())).clamp(1, i64::MAX as u64) as i64
 }
 
 /// The greatest common divisor; that of 0 and `b` is `b`.

@@ -7,7 +7,7 @@
 
 use crate::error::HullError;
 use crate::hull3::ConvexHull;
-use crate::plane::Plane;
+use crate::plane::{Depth, Plane};
 use std::ops::RangeInclusive;
 
 /// Rows of points along x: `y = origin[0] + k step` for `k < count[0]`, and likewise z.
@@ -71,14 +71,18 @@ impl RowIntervals {
     /// Rows of which nothing is known to be deep.
     ///
     /// # Errors
-    /// [`HullError::Rows`] for a step below 1, rows beyond 2^20 (they may lie far from any body, but not so far that
+    /// [`HullError::Rows`] for a step below 1 or above 2^21, rows beyond 2^20 (they may lie far from any body, but not so far that
     /// heights over planes leave 64 bits), or 2^28 rows or more.
     pub fn new(lattice: RowLattice) -> Result<Self, HullError> {
         let RowLattice { origin, step, count } = lattice;
         let last = |axis: usize| i64::from(origin[axis]) + i64::from(step) * (i64::from(count[axis]) - 1).max(0);
         let within = |place: i64| place.abs() <= BEYOND;
         let rows = u64::from(count[0]) * u64::from(count[1]);
-        if step < 1 || rows >= 1 << 28 || (0..2).any(|axis| !within(origin[axis].into()) || !within(last(axis))) {
+        // A step that leads nowhere, with one row, must not make products of 64 bits overflow either.
+        if !(1..=2 * BEYOND).contains(&i64::from(step))
+            || rows >= 1 << 28
+            || (0..2).any(|axis| !within(origin[axis].into()) || !within(last(axis)))
+        {
             return Err(HullError::Rows { origin, step, count });
         }
         Ok(RowIntervals { lattice, ends: vec![NOTHING; rows as usize] })
@@ -159,9 +163,28 @@ impl RowIntervals {
         let xs = |sign: i32| hull.support([sign, 0, 0]).map_or(-i64::from(sign), |x| i64::from(sign) * x) as i32;
         let (low, high) = (xs(-1), xs(1));
         let [ny, _] = self.lattice.count;
+        self.ends.fill(NOTHING);
+        if hull.depth() != Depth::SURFACE {
+            return; // of a body without volume no point is deep below its surface
+        }
+        // Rows beside the body are not searched.
+        let within = |row: [i32; 2]| {
+            [1, 2].into_iter().all(|axis| {
+                let extent = |sign: i32| {
+                    let mut direction = [0; 3];
+                    direction[axis] = sign;
+                    hull.support(direction)
+                };
+                let at = i64::from(row[axis - 1]);
+                extent(1).is_some_and(|high| at <= high) && extent(-1).is_some_and(|low| at >= -low)
+            })
+        };
         for (row, ends) in self.ends.iter_mut().enumerate() {
             let index = [row as u32 % ny, row as u32 / ny];
             let [y, z] = [0, 1].map(|k| self.lattice.origin[k] + self.lattice.step * index[k] as i32);
+            if !within([y, z]) {
+                continue;
+            }
             let mut deep = (low..=high).filter(|&x| hull.is_deep([x, y, z]));
             let first = deep.next();
             *ends = first.map_or(NOTHING, |first| [first, deep.next_back().unwrap_or(first)]);

@@ -189,6 +189,9 @@ impl ImplicitMesh {
     /// Evens out the triangles of a mesh of the surface `value = 0`: in each round every vertex goes to the mean of its
     /// neighbours, all at once, and from there back to the surface. Meant for surfaces that are smooth on the scale of a
     /// triangle; the triangles themselves stay as they are.
+    ///
+    /// # Panics
+    /// If a triangle has a corner that is no vertex of the mesh.
     pub fn relax(&mut self, value: impl Fn(Point3<f64>) -> f64, rounds: usize) {
         let mut edge = 0.0_f64;
         for &[a, b, _] in &self.triangles {

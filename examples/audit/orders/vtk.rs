@@ -10,7 +10,9 @@ use std::io::BufRead;
 struct Words<R> {
     reader: R,
     line: usize,
-    words: std::vec::IntoIter<String>,
+    /// The line whose words are being read, and where the next one is looked for. A line may hold millions of words: they are not kept one by one.
+    text: String,
+    at: usize,
 }
 
 /// Longest line, in bytes: a row of a large grid on one line has less.
@@ -32,11 +34,15 @@ impl<R: BufRead> Words<R> {
 
     fn next(&mut self) -> Result<Option<String>, OrderFault> {
         loop {
-            if let Some(word) = self.words.next() {
+            let rest = &self.text[self.at..];
+            if let Some(word) = rest.split_ascii_whitespace().next() {
+                let begin = rest.len() - rest.trim_ascii_start().len();
+                let word = word.to_owned();
+                self.at += begin + word.len();
                 return Ok(Some(word));
             }
             let Some(line) = self.next_line()? else { return Ok(None) };
-            self.words = line.split_ascii_whitespace().map(str::to_owned).collect::<Vec<_>>().into_iter();
+            (self.text, self.at) = (line, 0);
         }
     }
 
@@ -71,7 +77,7 @@ struct Header {
 
 /// Reads the first scalar field of a file.
 pub fn read(reader: impl BufRead, options: &OrderOptions) -> Result<CellOrder, OrderFault> {
-    let mut words = Words { reader, line: 0, words: Vec::new().into_iter() };
+    let mut words = Words { reader, line: 0, text: String::new(), at: 0 };
     words.next_line()?; // `# vtk DataFile Version 3.0`, and a title, which may hold anything
     words.next_line()?;
     let coding = words.word("ASCII")?;

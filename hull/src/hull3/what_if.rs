@@ -19,7 +19,8 @@ impl ConvexHull {
         Checkpoint { journal: self.journal.len(), points: self.points.len(), newest: self.newest }
     }
 
-    /// Takes back everything since `checkpoint`, exactly. Costs as much as was changed.
+    /// Takes back everything since `checkpoint`, exactly. Costs as much as was changed. With a checkpoint of another hull it takes back
+    /// as much as this one has noted since then, by count, which is of no use.
     pub fn rollback(&mut self, checkpoint: Checkpoint) {
         while self.journal.len() > checkpoint.journal {
             match self.journal.pop() {
@@ -51,12 +52,12 @@ impl ConvexHull {
             }
         }
         self.newest = checkpoint.newest;
-        self.checkpoints -= 1;
+        self.checkpoints = self.checkpoints.saturating_sub(1);
     }
 
     /// Ends the what-if that the checkpoint began, and keeps what was inserted.
     pub fn commit(&mut self, _checkpoint: Checkpoint) {
-        self.checkpoints -= 1;
+        self.checkpoints = self.checkpoints.saturating_sub(1);
         if self.checkpoints == 0 {
             self.journal.clear();
         }

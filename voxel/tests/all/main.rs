@@ -3,6 +3,7 @@
 
 mod common;
 mod distance;
+mod every_function;
 mod implicit;
 mod inspect;
 mod orient;
