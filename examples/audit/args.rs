@@ -17,8 +17,8 @@ pub struct Args {
     #[arg(value_name = "INPUT", required = true)]
     pub input: PathBuf,
     /// Millimetres in a unit of the input, and of --cell, --bead and --layer-height
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
-    pub scale: f64,
+    #[arg(long = "scale", value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
+    pub input_scale: f64,
     /// Five-axis machine whose axes the G-code has: a file as docs/formats/machines.md describes it
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,

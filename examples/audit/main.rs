@@ -99,8 +99,8 @@ fn audited(args: &Args, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Fail
                 max_cells: args.max_cells,
             };
             let mut order = orders::read(&args.input, &options)?;
-            order.cell_mm *= args.scale;
-            order.origin *= args.scale;
+            order.cell_mm *= args.input_scale;
+            order.origin *= args.input_scale;
             let part = centred(args, part, [order.origin, cells::far(&order)]);
             cells::audit(&order, args, part.as_ref(), bars)
         }

@@ -13,7 +13,7 @@ use std::io::{BufRead, Read};
 /// Rotary axes move by no more than this at once, in radians: between two places the tip on the part is taken as going straight.
 const TURN: f64 = 0.02;
 /// Coordinates beyond this, in millimetres, are a slip.
-const MAX_MM: f64 = 1e7;
+const MAX_MM: f64 = 1e10;
 /// Diameter of the filament of which nothing is known.
 const FILAMENT_MM: f64 = 1.75;
 

@@ -48,7 +48,7 @@ impl Given {
             filament_diameter_mm: args.bead.filament_mm,
             width_mm: args.bead.width_mm,
             height_mm: args.bead.height_mm,
-            scale: args.scale,
+            scale: args.input_scale,
         }
     }
 }
