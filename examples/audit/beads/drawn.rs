@@ -2,7 +2,7 @@
 
 use super::super::drawn_cells::{PICTURE, worst_places};
 use super::super::figures::Audited;
-use super::middle;
+use super::shape::middle;
 use curvlay_examples::render::{Camera, Scene, layer_colour};
 use curvlay_toolpath::orientation::ToolPath;
 

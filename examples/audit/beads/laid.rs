@@ -1,8 +1,8 @@
 //! Beads among those that were laid before: what is in the air, and what is laid twice.
 
 use super::super::args::BeadArgs;
-use super::middle;
 use super::runs::{Runs, steps};
+use super::shape::{middle, section_mm2};
 use curvlay_examples::laid::{Beads, Capsule};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::support::BeadSupport;
@@ -119,7 +119,7 @@ fn along(path: &ToolPath, loose: &[[f64; 2]], rule: &BeadArgs, stack: &mut Stack
             laid.in_air.step(part, wrong.then_some(part), at, path.layer, true);
             let inside = inside(&at, b, stack);
             let is_twice = inside > rule.overlap;
-            laid.twice_mm3 += if is_twice { inside * part * super::section_mm2(b.width, b.height) } else { 0.0 };
+            laid.twice_mm3 += if is_twice { inside * part * section_mm2(b.width, b.height) } else { 0.0 };
             laid.twice.step(part, is_twice.then_some(part), at, path.layer, true);
             let ends = [f64::from(k), f64::from(k + 1)].map(|k| between(a, b, k / f64::from(count)));
             let piece = Piece {

@@ -4,6 +4,7 @@ mod drawn;
 mod laid;
 mod nozzle;
 mod runs;
+mod shape;
 mod volume;
 
 use super::args::Args;
@@ -17,16 +18,7 @@ use curvlay_examples::mesh::Mesh;
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::support::{BeadSupport, SupportOptions, check_support};
 use nalgebra::Point3;
-
-/// Length of a path.
-fn length(path: &ToolPath) -> f64 {
-    path.waypoints.last().map_or(0.0, |last| last.arc)
-}
-
-/// The middle of a bead.
-fn middle(at: &Waypoint) -> Point3<f64> {
-    at.position - at.axis.into_inner() * (0.5 * at.height)
-}
+use shape::{length, section_mm2};
 
 /// Corners of the box of all beads.
 pub fn bounds(paths: &[ToolPath]) -> [Point3<f64>; 2] {
@@ -81,14 +73,22 @@ pub fn audit(program: &Program, args: &Args, part: Option<&Mesh>, bars: &Bars) -
     let progress = |p: curvlay_toolpath::Progress| bars.show(p.stage, p.done, p.total);
     let support = check_support(paths, height, &options, &progress)
         .map_err(|error| Failure::new(format!("{}: {error}", args.input.display())))?;
-    let (laid, gouged) = rayon::join(|| laid::walk(paths, &support, rule), || nozzle::gouged(paths, args, bars));
-    audited.set(Check::Unsupported, Verdict::Found(unsupported(paths, &support)));
+    let (laid, gouged) =
+        rayon::join(|| laid::walk(paths, &support, rule), || nozzle::gouged(paths, args, !program.is_alone, bars));
+    if program.is_alone {
+        let why = "a layer alone: what it is laid on is not in the file";
+        [Check::Unsupported, Check::InAir].map(|check| audited.absent(check, why));
+    } else {
+        audited.set(Check::Unsupported, Verdict::Found(unsupported(paths, &support)));
+    }
     let share = |amount: f64| (all > 0.0).then(|| amount / all);
     let found = |places: Vec<Place>, amount: f64, note: String| {
         Found { amount, unit: "mm", share: share(amount), note, ..Found::default() }.with_places(places)
     };
     let note = format!("neither plate nor bead within {} bead widths", rule.air_reach);
-    audited.set(Check::InAir, Verdict::Found(found(laid.in_air.places, laid.in_air.amount, note)));
+    if !program.is_alone {
+        audited.set(Check::InAir, Verdict::Found(found(laid.in_air.places, laid.in_air.amount, note)));
+    }
     let gouged = gouged?;
     let mut deep = found(gouged.places, gouged.amount, format!("deeper than {} of a bead's height", rule.contact));
     deep.more.push(("gouged_depth_mm", deep.places.first().map_or(0.0, |place| place.size)));
@@ -117,12 +117,6 @@ fn about(program: &Program, args: &Args, all: f64, height: f64) -> Vec<(&'static
     about.push(("starts", f64::from(program.starts)));
     about.push(("sharp_turns", sharp_turns(paths, args.bead.sharp_deg) as f64));
     about
-}
-
-/// Of a bead with round rims.
-fn section_mm2(width: f64, height: f64) -> f64 {
-    let rim = width.min(height);
-    width * height - rim * rim * (1.0 - std::f64::consts::FRAC_PI_4)
 }
 
 /// Places at which a path turns by more than an angle.

@@ -22,11 +22,11 @@ pub fn nozzle(args: &Args) -> Result<Nozzle, Failure> {
         .map_err(|what| Failure::of_arguments(format!("--nozzle: {what}")))
 }
 
-/// Where the nozzle is deeper in beads or plate than allowed.
+/// Where the nozzle is deeper in beads, or in the plate if there is one, than allowed.
 ///
 /// # Errors
 /// A nozzle that cannot be.
-pub fn gouged(paths: &[ToolPath], args: &Args, bars: &Bars) -> Result<Runs, Failure> {
+pub fn gouged(paths: &[ToolPath], args: &Args, plate: bool, bars: &Bars) -> Result<Runs, Failure> {
     let allowed = args.bead.contact;
     let mut beads = NozzleInBeads::new(nozzle(args)?, allowed);
     let mut runs = Runs::default();
@@ -40,7 +40,8 @@ pub fn gouged(paths: &[ToolPath], args: &Args, bars: &Bars) -> Result<Runs, Fail
             for k in 1..=count {
                 let pose = pose(&pair[0], &pair[1], f64::from(k) / f64::from(count));
                 let height = pair[1].height;
-                let depth = beads.depth(&pose).max(beads.below_plate(&pose) - allowed * height);
+                let sunk = if plate { beads.below_plate(&pose) - allowed * height } else { 0.0 };
+                let depth = beads.depth(&pose).max(sunk);
                 let part = length / f64::from(count);
                 runs.step(part, (depth > 1e-9).then_some(depth), pose.tip, path.layer, false);
                 beads.lay(&pose, Some(height));

@@ -1,8 +1,8 @@
 //! Beads in the cubes in which volumes are compared.
 
 use super::super::part::Volume;
-use super::middle;
 use super::runs::{Runs, steps};
+use super::shape::middle;
 use curvlay_toolpath::orientation::ToolPath;
 use nalgebra::{Point3, Vector3};
 

@@ -1,6 +1,6 @@
 //! Moves become paths of beads: where they begin, which layer they are of, how wide and high they are.
 
-use super::{Given, Program};
+use super::program::{Given, Program};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::path::BeadKind;
 use nalgebra::{Point3, UnitVector3, Vector3};

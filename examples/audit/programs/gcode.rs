@@ -3,12 +3,13 @@
 use super::arcs::{Centre, chords};
 use super::builder::{Builder, Laid, Said};
 use super::hints::{Hints, LayerMark, layer};
-use super::{Given, Program};
-use curvlay_examples::laid::{LONGEST_LINE, words};
+use super::lines::Lines;
+use super::program::{Given, Program};
+use curvlay_examples::laid::words;
 use curvlay_kinematics::machine::FiveAxis;
 use curvlay_toolpath::path::BeadKind;
 use nalgebra::{Point3, UnitVector3, Vector3};
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 /// Rotary axes move by no more than this at once, in radians: between two places the tip on the part is taken as going straight.
 const TURN: f64 = 0.02;
@@ -16,57 +17,6 @@ const TURN: f64 = 0.02;
 const MAX_MM: f64 = 1e10;
 /// Diameter of the filament of which nothing is known.
 const FILAMENT_MM: f64 = 1.75;
-
-/// Lines of a file; long comments are cut.
-pub struct Lines<R> {
-    reader: R,
-    bytes: Vec<u8>,
-    text: String,
-    /// The line that was read last, from 1.
-    pub line: u64,
-}
-
-impl<R: BufRead> Lines<R> {
-    /// Before the first one.
-    pub fn new(reader: R) -> Self {
-        Lines { reader, bytes: Vec::new(), text: String::new(), line: 0 }
-    }
-
-    /// The next line.
-    ///
-    /// # Errors
-    /// What the system says; a long line that is no comment.
-    pub fn next(&mut self) -> Result<Option<&str>, String> {
-        self.bytes.clear();
-        self.line += 1;
-        let line = self.line;
-        let fault = |error: std::io::Error| format!("line {line}: {error}");
-        self.reader.by_ref().take(LONGEST_LINE as u64).read_until(b'\n', &mut self.bytes).map_err(fault)?;
-        if self.bytes.is_empty() {
-            return Ok(None);
-        }
-        if self.bytes.len() >= LONGEST_LINE && self.bytes.last() != Some(&b'\n') {
-            if self.bytes.first() != Some(&b';') {
-                return Err(format!("line {line}: longer than {LONGEST_LINE} bytes: is it G-code?"));
-            }
-            // Settings and thumbnails of slicers.
-            loop {
-                let part = self.reader.fill_buf().map_err(fault)?;
-                let end = part.iter().position(|byte| *byte == b'\n');
-                let used = end.map_or(part.len(), |at| at + 1);
-                if used == 0 {
-                    break;
-                }
-                self.reader.consume(used);
-                if end.is_some() {
-                    break;
-                }
-            }
-        }
-        self.text = String::from_utf8_lossy(&self.bytes).into_owned();
-        Ok(Some(self.text.trim()))
-    }
-}
 
 struct State {
     builder: Builder,

@@ -1,6 +1,6 @@
 //! What comments of a whole file say: diameter of the filament, whether layers are marked, whether directions are.
 
-use super::gcode::Lines;
+use super::lines::Lines;
 use std::io::BufRead;
 
 /// What was found.

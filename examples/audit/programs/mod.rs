@@ -4,52 +4,25 @@ mod arcs;
 mod builder;
 mod gcode;
 mod hints;
+mod lines;
+mod program;
 mod waypoints;
 
 use super::args::Args;
 use curvlay_examples::args::Failure;
 use curvlay_examples::input;
-use curvlay_toolpath::orientation::ToolPath;
+use program::Given;
+pub use program::Program;
 use std::io::BufReader;
 use std::path::Path;
 
-/// What a program lays.
-#[derive(Clone, Debug, Default)]
-pub struct Program {
-    /// Beads that follow each other, in the order of the program; a path has the number of its extrusion as its curve, and is cut where its layer changes.
-    pub paths: Vec<ToolPath>,
-    /// Separate extrusions.
-    pub starts: u32,
-    /// Layers, where the program says or shows them.
-    pub layers: Option<u32>,
-    /// Filament, in millimetres, where the program has it.
-    pub filament_mm: Option<f64>,
-    /// How it was understood, in words.
-    pub meant: String,
-}
-
-/// What a program does not say itself.
-#[derive(Clone, Copy, Debug)]
-pub struct Given {
-    /// Diameter of the filament, if it is given.
-    pub filament_diameter_mm: Option<f64>,
-    /// Width of beads, if it is given.
-    pub width_mm: Option<f64>,
-    /// Height of beads, if it is given.
-    pub height_mm: Option<f64>,
-    /// Millimetres in a unit of the program.
-    pub scale: f64,
-}
-
-impl Given {
-    /// As the options have it.
-    pub fn new(args: &Args) -> Self {
-        Given {
-            filament_diameter_mm: args.bead.filament_mm,
-            width_mm: args.bead.width_mm,
-            height_mm: args.bead.height_mm,
-            scale: args.input_scale,
-        }
+/// What the options say.
+fn given(args: &Args) -> Given {
+    Given {
+        filament_diameter_mm: args.bead.filament_mm,
+        width_mm: args.bead.width_mm,
+        height_mm: args.bead.height_mm,
+        scale: args.input_scale,
     }
 }
 
@@ -70,7 +43,7 @@ pub fn read_gcode(path: &Path, args: &Args) -> Result<Program, Failure> {
     let open = || input::open(path, input::MAX_DATA_BYTES).map(BufReader::new);
     // What slicers say of filament and layers may stand at the end.
     let hints = hints::read(open()?).map_err(fault)?;
-    let program = gcode::read(open()?, &hints, machine, &Given::new(args)).map_err(fault)?;
+    let program = gcode::read(open()?, &hints, machine, &given(args)).map_err(fault)?;
     some(program).map_err(fault)
 }
 
@@ -81,7 +54,7 @@ pub fn read_gcode(path: &Path, args: &Args) -> Result<Program, Failure> {
 pub fn read_waypoints(path: &Path, args: &Args) -> Result<Program, Failure> {
     let fault = |what: String| Failure::new(format!("{}: {what}", path.display()));
     let lines = curvlay_examples::waypoints::read_waypoints(path)?;
-    let program = waypoints::beads(&lines, &Given::new(args), args.bead.max_step_mm).map_err(fault)?;
+    let program = waypoints::beads(&lines, &given(args), args.bead.max_step_mm).map_err(fault)?;
     some(program).map_err(fault)
 }
 

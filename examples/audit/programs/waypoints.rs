@@ -1,7 +1,7 @@
 //! Waypoints, `px py pz nx ny nz` a line, as beads of a given size: consecutive ones are joined unless they are far apart.
 
 use super::builder::{Builder, Laid, Said};
-use super::{Given, Program};
+use super::program::{Given, Program};
 use curvlay_examples::waypoints::Line;
 use nalgebra::{Point3, UnitVector3, Vector3};
 
@@ -41,5 +41,5 @@ pub fn beads(lines: &[Line], given: &Given, max_step_mm: Option<f64>) -> Result<
         }
     }
     let meant = format!("waypoints with directions, as beads of one layer; steps above {far:.3} mm lay nothing");
-    Ok(builder.finish(meant, true, false))
+    Ok(Program { is_alone: true, ..builder.finish(meant, true, false) })
 }

@@ -161,6 +161,7 @@ fn waypoints_are_a_layer_with_islands() {
     let path = input("points.txt", &(0..20).map(line).collect::<String>());
     let (_, summary, _) = run("beads-points", &[&path, "--bead", "1", "--layer-height", "0.5"]);
     assert_eq!(["starts", "beads", "layers"].map(|key| summary[key].as_u64().unwrap()), [2, 18, 1]);
+    assert_eq!(summary["absent"], "shadowed,unsupported,in_air,uncovered,outside");
 }
 
 /// Directions in comments, and the nozzle of the run, in a folder of ours.
