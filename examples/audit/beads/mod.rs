@@ -77,7 +77,7 @@ pub fn audit(program: &Program, args: &Args, part: Option<&Mesh>, bars: &Bars) -
         rayon::join(|| laid::walk(paths, &support, rule), || nozzle::gouged(paths, args, !program.is_alone, bars));
     if program.is_alone {
         let why = "a layer alone: what it is laid on is not in the file";
-        [Check::Unsupported, Check::InAir].map(|check| audited.absent(check, why));
+        [Check::Unsupported, Check::InAir].into_iter().for_each(|check| audited.absent(check, why));
     } else {
         audited.set(Check::Unsupported, Verdict::Found(unsupported(paths, &support)));
     }
