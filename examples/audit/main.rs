@@ -50,8 +50,10 @@ fn main() -> ExitCode {
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Table>, Outcome), Failure> {
     let start = Instant::now();
     let mut findings = Findings::default();
+    let source = source::of(args)?;
+    let args = &source.args;
     let part = part_of(args, &mut findings)?;
-    let audited = audited(args, part, bars)?;
+    let audited = audited(&source, part, bars)?;
     bars.finish();
     folder.clear(outputs::is_ours)?;
     judged::find(args, &audited, &mut findings);
@@ -87,8 +89,7 @@ fn centred(args: &Args, part: Option<Mesh>, [low, high]: [Point3<f64>; 2]) -> Op
     Some(mesh)
 }
 
-fn audited(args: &Args, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Failure> {
-    let source = source::of(args)?;
+fn audited(source: &source::Source, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Failure> {
     let args = &source.args;
     match source.kind {
         source::Kind::Cells => {

@@ -106,7 +106,7 @@ fn write_field(run: &FieldRun, order: &[u32], layers: &[u32], out: &mut dyn Writ
         // Both lists rise.
         while directions.next_if(|judged| judged.cell < cell).is_some() {}
         match directions.next_if(|judged| judged.cell == cell).map(|judged| judged.direction) {
-            Some(at) => _ = write!(line, ",{:.6},{:.6},{:.6}", at.x, at.y, at.z),
+            Some(at) => _ = write!(line, ",{},{},{}", at.x, at.y, at.z),
             None => line.push_str(",,,"),
         }
         line.push('\n');
