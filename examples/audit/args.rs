@@ -5,16 +5,23 @@ use curvlay_examples::args::{Common, MeshArgs, above_zero, from_zero, share};
 use curvlay_examples::mesh::{Unit, Up};
 use std::path::PathBuf;
 
-/// Scores an order of cells from any program: what the nozzle cannot reach, what lies on nothing, what is gouged, missing or laid twice.
+/// Scores what any program makes, as an order of cells, as G-code or as surfaces of layers: what the nozzle cannot reach, what lies on nothing, what is gouged,
+/// missing or laid twice.
 ///
 /// Exit status: 0 done. 1 input or output cannot be used. 2 the arguments cannot be used, or not together. 3 done, but a check failed: each is a line on
 /// stderr, a notice in report.html and a line in summary.json.
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "audit")]
 pub struct Args {
-    /// What to audit: an order of cells (.csv, .vtk)
+    /// What to audit: an order of cells (.csv, .vtk), G-code (.gcode, .nc, ...), waypoints (.txt), or a folder of curved_layers
     #[arg(value_name = "INPUT", required = true)]
     pub input: PathBuf,
+    /// Millimetres in a unit of the input, and of --cell, --bead and --layer-height
+    #[arg(long = "scale", value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
+    pub input_scale: f64,
+    /// Five-axis machine whose axes the G-code has: a file as docs/formats/machines.md describes it
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
     /// Edge of a cell in millimetres [default: the least step between coordinates; 1 for indices]
     #[arg(long = "cell", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
     pub cell_mm: Option<f64>,
@@ -31,9 +38,10 @@ pub struct Args {
     pub(super) part: PartArgs,
     #[command(flatten)]
     pub(super) allow: AllowArgs,
-    /// Diameter of the tip, half angle of the cone in degrees, height of the cone, diameter of the block, in millimetres
-    #[arg(long, value_name = "TIP,DEG,CONE,BLOCK", default_value = "0.8,45,8,20", value_parser = nozzle, help_heading = "Checks")]
-    pub nozzle: [f64; 4],
+    /// Diameter of the tip, half angle of the cone in degrees, height of the cone, diameter of the block, in millimetres [default: that of the run in a
+    /// folder of curved_layers; 0.8,45,8,20]
+    #[arg(long, value_name = "TIP,DEG,CONE,BLOCK", value_parser = nozzle, help_heading = "Checks")]
+    pub nozzle: Option<[f64; 4]>,
     /// How far the nozzle may lean from the upright where another direction is looked for, in degrees
     #[arg(long = "max-tilt", value_name = "DEG", default_value_t = 90.0, value_parser = tilt, allow_negative_numbers = true, help_heading = "Checks")]
     pub max_tilt_deg: f64,
@@ -49,11 +57,62 @@ pub struct Args {
     /// Diameter of the plate in millimetres, the least that carries the part if that is more
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = "Checks")]
     pub platform_mm: f64,
-    /// Edge of the cubes in which volumes are compared, in millimetres [default: half a cell]
+    /// Edge of the cubes in which volumes are compared, in millimetres [default: half a cell, the height of a bead]
     #[arg(long = "step", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = "Checks")]
     pub step_mm: Option<f64>,
     #[command(flatten)]
+    pub(super) bead: BeadArgs,
+    #[command(flatten)]
     pub(super) common: Common,
+}
+
+/// The nozzle of which nothing is known: that of `curved_layers`.
+const NOZZLE: [f64; 4] = [0.8, 45.0, 8.0, 20.0];
+
+impl Args {
+    /// Sizes of the nozzle.
+    pub fn nozzle_sizes(&self) -> [f64; 4] {
+        self.nozzle.unwrap_or(NOZZLE)
+    }
+}
+
+/// What beads are, and when they count.
+#[derive(clap::Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Beads")]
+pub struct BeadArgs {
+    /// Width of beads in millimetres, where comments do not say it [default: by their volume]
+    #[arg(long = "bead", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub width_mm: Option<f64>,
+    /// Height of beads in millimetres, where comments do not say it; heights in the rules of support are of this one [default: the step between layers; the median]
+    #[arg(long = "layer-height", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub height_mm: Option<f64>,
+    /// Diameter of the filament in millimetres [default: what the program says; 1.75]
+    #[arg(long = "filament", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub filament_mm: Option<f64>,
+    /// Longer steps between waypoints lay nothing, in millimetres [default: 5 median steps]
+    #[arg(long = "max-step", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub max_step_mm: Option<f64>,
+    /// How far the middle of a bead may be from what carries it, in layer heights
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 1.5, value_parser = above_zero, allow_negative_numbers = true)]
+    pub support_distance: f64,
+    /// How far below it that has to be along the nozzle, in layer heights
+    #[arg(long, value_name = "HEIGHTS", default_value_t = 0.25, value_parser = from_zero, allow_negative_numbers = true)]
+    pub support_drop: f64,
+    /// An unsupported place is in the air if nothing is as near as this, in bead widths
+    #[arg(long, value_name = "WIDTHS", default_value_t = 2.0, value_parser = above_zero, allow_negative_numbers = true)]
+    pub air_reach: f64,
+    /// How deep the nozzle may be in a bead, as a share of the bead's height
+    #[arg(long, value_name = "SHARE", default_value_t = 0.25, value_parser = share, allow_negative_numbers = true)]
+    pub contact: f64,
+    /// The share of a section in that of an earlier bead above which it is laid twice
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share, allow_negative_numbers = true)]
+    pub overlap: f64,
+    /// How much larger beads are to all sides where volumes are compared, as a share of their height
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, allow_negative_numbers = true)]
+    pub slack: f64,
+    /// Turns above this angle are sharp, in degrees
+    #[arg(long = "sharp-turn", value_name = "DEG", default_value_t = 60.0, value_parser = turn, allow_negative_numbers = true)]
+    pub sharp_deg: f64,
 }
 
 /// The part to compare with.
@@ -142,6 +201,10 @@ fn within(text: &str, [min, max]: [f64; 2]) -> Result<f64, String> {
 
 fn tilt(text: &str) -> Result<f64, String> {
     within(text, [1.0, 90.0])
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    within(text, [1.0, 180.0])
 }
 
 fn eps(text: &str) -> Result<f64, String> {

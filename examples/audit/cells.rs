@@ -5,6 +5,7 @@ use super::figures::{Audited, Check, Found, Place, Verdict};
 use super::orders::CellOrder;
 use super::part::Volume;
 use super::reach::Reach;
+use super::slip;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::count::counted;
@@ -77,9 +78,14 @@ fn centre(order: &CellOrder, cell: [u32; 3]) -> Point3<f64> {
     order.origin + Vector3::from(cell.map(|at| f64::from(at) + 0.5)) * order.cell_mm
 }
 
+/// The corner of the grid across from its origin.
+pub fn far(order: &CellOrder) -> Point3<f64> {
+    order.origin + Vector3::from(order.dims.map(f64::from)) * order.cell_mm
+}
+
 /// The nozzle of the options.
 fn rule(args: &Args) -> NozzleRule {
-    let [tip_flat_mm, angle, cone_height_mm, block_mm] = args.nozzle;
+    let [tip_flat_mm, angle, cone_height_mm, block_mm] = args.nozzle_sizes();
     NozzleRule {
         tip_flat_mm,
         half_angle: angle.to_radians(),
@@ -107,6 +113,7 @@ pub fn audit(order: &CellOrder, args: &Args, part: Option<&Mesh>, bars: &Bars) -
         ("ny", f64::from(order.dims[1])),
         ("nz", f64::from(order.dims[2])),
     ];
+    audited.slips.extend(slip::sizes("cells", order.cell_mm, [order.origin, far(order)], part));
     let found = |places: Vec<Place>, note: String| {
         let (amount, share) = (places.len() as f64, (built > 0).then(|| places.len() as f64 / built as f64));
         Found { amount, unit: "cells", share, note, ..Found::default() }.with_places(places)
@@ -150,7 +157,7 @@ fn coverage(ordered: &Ordered, args: &Args, part: Option<&Mesh>, audited: &mut A
         return Ok(());
     };
     let step = args.step_mm.unwrap_or(0.5 * order.cell_mm);
-    let far = order.origin + Vector3::from(order.dims.map(f64::from)) * order.cell_mm;
+    let far = far(order);
     let [low, high] = mesh.bounds().unwrap_or([order.origin, far]);
     let mut volume = Volume::new([low.inf(&order.origin), high.sup(&far)], step, args.max_cells)?;
     volume.fill(mesh);

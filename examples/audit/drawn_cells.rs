@@ -4,10 +4,10 @@ use super::figures::{Audited, Verdict};
 use super::orders::CellOrder;
 use curvlay_examples::args::Failure;
 use curvlay_examples::render::{Camera, LayeredCells, Plane, Scene, draw_cut};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// Pixels of each picture.
-const PICTURE: [u32; 2] = [760, 680];
+pub const PICTURE: [u32; 2] = [760, 680];
 /// Larger grids are not drawn: a picture has fewer pixels than they have faces.
 const MAX_DRAWN: usize = 100_000_000;
 
@@ -33,14 +33,8 @@ pub fn pictures(order: &CellOrder, rows: &[u64], audited: &Audited) -> Result<Ve
     }
     let cells = LayeredCells::new(order.dims, rows, &layers)?;
     let (last, missed) = (numbers.len() as u32, cells.missed());
-    let worst: Vec<(String, Vector3<f64>)> = audited
-        .in_order()
-        .filter_map(|(check, verdict)| match verdict {
-            Verdict::Found(found) => found.places.first().map(|place| (check.name().to_owned(), place.at)),
-            Verdict::Absent(_) => None,
-        })
-        .map(|(name, at)| (name, (at - order.origin) / order.cell_mm))
-        .collect();
+    let in_cells = |(name, at): (&'static str, Point3<f64>)| (name.to_owned(), (at - order.origin) / order.cell_mm);
+    let worst: Vec<(String, Vector3<f64>)> = worst_places(audited).into_iter().map(in_cells).collect();
     let [width, height] = PICTURE;
     let mut pictures = Vec::new();
     for (caption, toward) in [("from the front", [0.6, -1.0, 0.45]), ("from the back", [-0.6, 1.0, 0.45])] {
@@ -57,4 +51,13 @@ pub fn pictures(order: &CellOrder, rows: &[u64], audited: &Audited) -> Result<Ve
         pictures.push((caption, draw_cut(&cells, Plane::Y(y), width, height).with_legend(last, missed).to_png()));
     }
     Ok(pictures)
+}
+
+/// The worst place of each check that has one, with the name of the check.
+pub fn worst_places(audited: &Audited) -> Vec<(&'static str, Point3<f64>)> {
+    let worst = |(check, verdict): (super::figures::Check, &Verdict)| match verdict {
+        Verdict::Found(found) => found.places.first().map(|place| (check.name(), place.at)),
+        Verdict::Absent(_) => None,
+    };
+    audited.in_order().filter_map(worst).collect()
 }

@@ -86,7 +86,7 @@ pub struct Place {
 pub struct Found {
     /// How much.
     pub amount: f64,
-    /// Of what: `cells`, `mm3`.
+    /// Of what: `cells`, `mm`, `mm3`.
     pub unit: &'static str,
     /// As a share of all, where that says something.
     pub share: Option<f64>,
@@ -137,6 +137,10 @@ pub struct Audited {
     pub about: Vec<(&'static str, f64)>,
     /// How the input was understood, in words.
     pub meant: String,
+    /// Whether beads were audited, by their options.
+    pub has_beads: bool,
+    /// Sizes that are no print's, in words.
+    pub slips: Vec<String>,
     /// Pictures with their captions.
     pub pictures: Vec<(String, Vec<u8>)>,
 }

@@ -23,6 +23,12 @@ pub fn allowed(args: &Args, check: Check) -> (f64, &'static str) {
 
 /// Adds a finding for each check that found something.
 pub fn find(args: &Args, audited: &Audited, findings: &mut Findings) {
+    for slip in &audited.slips {
+        findings
+            .explain(Severity::Failed, "these are no sizes of a print", slip.as_str(), "")
+            .cause("the numbers are probably not millimetres")
+            .try_to("--scale with the millimetres in a unit of the input, such as 1000 for metres or 25.4 for inches");
+    }
     for (check, verdict) in audited.in_order() {
         let Verdict::Found(found) = verdict else { continue };
         if found.amount <= 0.0 {

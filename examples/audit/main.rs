@@ -1,5 +1,5 @@
-//! Scores an order of cells from any program, so that publications can quote it: what the nozzle cannot reach, what lies on nothing or in the air, what it gouges,
-//! what is missing or laid twice.
+//! Scores what any program makes, so that publications can quote it: orders of cells, G-code, waypoints. What the nozzle cannot reach, what lies on nothing or in
+//! the air, what it gouges, what is missing or laid twice.
 //!
 //! ```sh
 //! cargo run --release --example audit -- theirs.csv --mesh part.stl
@@ -7,6 +7,7 @@
 //! `docs/formats/audit.md` describes inputs, checks and results, `--help` lists the options.
 
 mod args;
+mod beads;
 mod cells;
 mod drawn_cells;
 mod figures;
@@ -14,7 +15,10 @@ mod judged;
 mod orders;
 mod outputs;
 mod part;
+mod programs;
 mod reach;
+mod slip;
+mod source;
 
 pub use args::Args;
 use curvlay_examples::args::{Failure, Outcome, run_with_args};
@@ -46,8 +50,10 @@ fn main() -> ExitCode {
 pub fn work(args: &Args, bars: &Bars, folder: &OutputFolder) -> Result<(Vec<Table>, Outcome), Failure> {
     let start = Instant::now();
     let mut findings = Findings::default();
+    let source = source::of(args)?;
+    let args = &source.args;
     let part = part_of(args, &mut findings)?;
-    let audited = audited(args, part, bars)?;
+    let audited = audited(&source, part, bars)?;
     bars.finish();
     folder.clear(outputs::is_ours)?;
     judged::find(args, &audited, &mut findings);
@@ -83,15 +89,27 @@ fn centred(args: &Args, part: Option<Mesh>, [low, high]: [Point3<f64>; 2]) -> Op
     Some(mesh)
 }
 
-fn audited(args: &Args, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Failure> {
-    let options = orders::OrderOptions {
-        cell_mm: args.cell_mm,
-        first_layer: args.first_layer,
-        field_step: args.field_step,
-        max_cells: args.max_cells,
-    };
-    let order = orders::read(&args.input, &options)?;
-    let far = order.origin + Vector3::from(order.dims.map(f64::from)) * order.cell_mm;
-    let part = centred(args, part, [order.origin, far]);
-    cells::audit(&order, args, part.as_ref(), bars)
+fn audited(source: &source::Source, part: Option<Mesh>, bars: &Bars) -> Result<Audited, Failure> {
+    let args = &source.args;
+    match source.kind {
+        source::Kind::Cells => {
+            let options = orders::OrderOptions {
+                cell_mm: args.cell_mm,
+                first_layer: args.first_layer,
+                field_step: args.field_step,
+                max_cells: args.max_cells,
+            };
+            let mut order = orders::read(&args.input, &options)?;
+            order.cell_mm *= args.input_scale;
+            order.origin *= args.input_scale;
+            let part = centred(args, part, [order.origin, cells::far(&order)]);
+            cells::audit(&order, args, part.as_ref(), bars)
+        }
+        kind => {
+            let read = if kind == source::Kind::Waypoints { programs::read_waypoints } else { programs::read_gcode };
+            let program = read(&args.input, args)?;
+            let part = centred(args, part, beads::bounds(&program.paths));
+            beads::audit(&program, args, part.as_ref(), bars)
+        }
+    }
 }

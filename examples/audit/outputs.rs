@@ -102,7 +102,9 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
         .set("input", args.input.display().to_string())?
         .set("read_as", audited.meant.as_str())?
         .set("mesh", mesh)?
-        .set("nozzle", args.nozzle.map(|size| size.to_string()).join(","))?
+        .set("nozzle", args.nozzle_sizes().map(|size| size.to_string()).join(","))?
+        .set("scale", args.input_scale)?
+        .set("machine", args.machine.as_ref().map_or("none".to_owned(), |path| path.display().to_string()))?
         .set("max_tilt_deg", args.max_tilt_deg)?
         .set("clearance_cells", args.clearance_cells)?
         .set("eps_cells", args.eps_cells)?
@@ -110,6 +112,17 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
         .set("platform_diameter_mm", args.platform_mm)?
         .set("max_cells", args.max_cells)?
         .set_all(&args.allow)?;
+    if audited.has_beads {
+        let bead = &args.bead;
+        summary
+            .set("support_distance_heights", bead.support_distance)?
+            .set("support_drop_heights", bead.support_drop)?
+            .set("air_reach_widths", bead.air_reach)?
+            .set("contact_heights", bead.contact)?
+            .set("overlap_share", bead.overlap)?
+            .set("slack_heights", bead.slack)?
+            .set("sharp_turn_deg", bead.sharp_deg)?;
+    }
     for (key, value) in &audited.about {
         number(&mut summary, key, *value)?;
     }

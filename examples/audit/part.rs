@@ -104,6 +104,21 @@ impl Volume {
         points.into_iter().for_each(|(word, bit)| self.covered[word] |= bit);
     }
 
+    /// Marks those middles of a box that a rule picks.
+    pub fn cover_where(&mut self, [low, high]: [Point3<f64>; 2], has: impl Fn(&Point3<f64>) -> bool) {
+        let [xs, ys, zs] = [0, 1, 2].map(|axis| self.range(axis, low[axis], high[axis]));
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    let (word, bit) = self.word([x, y, z]);
+                    if self.part[word] & !self.covered[word] & bit != 0 && has(&self.middle([x, y, z])) {
+                        self.covered[word] |= bit;
+                    }
+                }
+            }
+        }
+    }
+
     /// Whether a box has a point of the part.
     pub fn has_part(&self, bounds: [Point3<f64>; 2]) -> bool {
         self.within(bounds).any(|(word, bit)| self.part[word] & bit != 0)

@@ -1,21 +1,13 @@
 //! The axes of a machine, and where its nozzle is: plain data that all modules share.
 
-use nalgebra::{Matrix3, Point3, Vector3};
+pub use curvlay_examples::laid::NozzlePose;
+use nalgebra::{Matrix3, Vector3};
 
 /// Most axes of a machine: an arm and a table.
 pub const MAX_AXES: usize = 8;
 
 /// A value for each axis, in radians or millimetres; what a machine does not have is 0.
 pub type Axes = [f64; MAX_AXES];
-
-/// Where the nozzle is on the part: its tip in millimetres, and the direction from the tip into the nozzle, of length 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NozzlePose {
-    /// The tip.
-    pub tip: Point3<f64>,
-    /// From the tip into the nozzle.
-    pub axis: Vector3<f64>,
-}
 
 /// A rotation and a place, in millimetres: maps coordinates of a frame into those of the one that carries it.
 #[derive(Clone, Copy, Debug, PartialEq)]

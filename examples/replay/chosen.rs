@@ -2,10 +2,10 @@
 
 use super::args::Args;
 use super::controller::{GAIN, LOOKAHEAD_S};
-use super::facts::Facts;
 use super::machine::{FiveAxis, Machine, Robot};
 use super::program::{AXES, Dialect, Files, Kind, Wanted, fitted};
 use curvlay_examples::args::Failure;
+use curvlay_examples::facts::Facts;
 use curvlay_examples::five_axis::FiveAxisPrinter;
 use curvlay_examples::input;
 use curvlay_examples::motion::{WORKCELL_FILE, workcell_model};

@@ -3,9 +3,10 @@
 use super::args::AllowArgs;
 use super::axes::{Axes, NozzlePose};
 use super::controller::Tick;
-use super::judge::{Bead, Contact, Deposit, Joints, Match, Nozzle, Tip};
+use super::judge::{Bead, Contact, Deposit, Joints, Match, Tip};
 use super::machine::Machine;
 use super::trace::{self, Thinned};
+use curvlay_examples::laid::Nozzle;
 use curvlay_examples::viewer::Step;
 use nalgebra::Point3;
 use std::io::{self, Write};

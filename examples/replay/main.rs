@@ -14,7 +14,6 @@ mod axes;
 mod chosen;
 mod controller;
 mod court;
-mod facts;
 mod judge;
 mod judged;
 mod machine;

@@ -3,12 +3,13 @@
 use super::args::Args;
 use super::chosen::{Chosen, Reading, named, printer, robot, wanted};
 use super::controller::{ControllerModel, Maker};
-use super::facts::Facts;
-use super::judge::{Bead, Nozzle, Placement, Plan};
+use super::judge::{Bead, Placement, Plan};
 use super::machine::Machine;
 use super::program::{AXES, Files, Kind, PART, find};
 use curvlay_examples::args::Failure;
+use curvlay_examples::facts::Facts;
 use curvlay_examples::input;
+use curvlay_examples::laid::Nozzle;
 use curvlay_examples::waypoints::fault;
 use curvlay_toolpath::gcode::flavour::FilamentWords;
 use std::f64::consts::PI;

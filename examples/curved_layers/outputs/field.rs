@@ -78,7 +78,8 @@ fn numbers(run: &FieldRun) -> Vec<u32> {
 }
 
 /// A line for each cell: its place in the grid, the centre in millimetres, its layer in the order of the growth (0: missed), and the
-/// layer that is printed of which it is a part, if it is: 0 in `layers`, which is empty before there are any, says that it is of none.
+/// layer that is printed of which it is a part, if it is: 0 in `layers`, which is empty before there are any, says that it is of none. Last the direction of the
+/// nozzle, of cells that were judged by it.
 fn write_field(run: &FieldRun, order: &[u32], layers: &[u32], out: &mut dyn Write) -> io::Result<()> {
     let grid = &run.solid.grid;
     // Numbers with four digits take most of the time, and there are only as many as planes of cells.
@@ -91,7 +92,8 @@ fn write_field(run: &FieldRun, order: &[u32], layers: &[u32], out: &mut dyn Writ
         (0..grid.dims()[axis]).map(text).collect()
     };
     let [xs, ys, zs] = [0, 1, 2].map(along);
-    writeln!(out, "x,y,z,x_mm,y_mm,z_mm,cell_layer,layer")?;
+    writeln!(out, "x,y,z,x_mm,y_mm,z_mm,cell_layer,layer,nx,ny,nz")?;
+    let mut directions = run.growth.nozzle.iter().peekable();
     let mut line = String::new();
     for cell in grid.iter() {
         let [x, y, z] = grid.position(cell).map(|at| at as usize);
@@ -100,6 +102,12 @@ fn write_field(run: &FieldRun, order: &[u32], layers: &[u32], out: &mut dyn Writ
         let _ = write!(line, "{},", order[cell as usize]); // to a string, which takes it
         if let Some(layer) = layers.get(cell as usize).filter(|&&layer| layer > 0) {
             let _ = write!(line, "{layer}");
+        }
+        // Both lists rise.
+        while directions.next_if(|judged| judged.cell < cell).is_some() {}
+        match directions.next_if(|judged| judged.cell == cell).map(|judged| judged.direction) {
+            Some(at) => _ = write!(line, ",{},{},{}", at.x, at.y, at.z),
+            None => line.push_str(",,,"),
         }
         line.push('\n');
         out.write_all(line.as_bytes())?;

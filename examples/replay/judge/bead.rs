@@ -46,11 +46,3 @@ impl Bead {
         (share, (self.from + way * share - place).norm())
     }
 }
-
-/// How far a place is from the straight way between two others.
-pub fn to_chord(place: &Point3<f64>, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
-    let way = to - from;
-    let squared = way.norm_squared();
-    let share = if squared > 0.0 { ((place - from).dot(&way) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    (from + way * share - place).norm()
-}

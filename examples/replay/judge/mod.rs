@@ -2,12 +2,10 @@
 //! `deposit` weighs what is laid, `contact` keeps the nozzle out of it.
 
 mod bead;
-mod beads;
 mod contact;
 mod deposit;
 mod histogram;
 mod joints;
-mod nozzle;
 mod plan;
 mod tip;
 mod worst;
@@ -16,7 +14,6 @@ pub use bead::Bead;
 pub use contact::Contact;
 pub use deposit::Deposit;
 pub use joints::{Joints, Quantity};
-pub use nozzle::Nozzle;
 pub use plan::{Placement, Plan};
 pub use tip::{Match, Tip};
 pub use worst::Worst;

@@ -1,7 +1,7 @@
 //! The plan: tool paths as `toolpath.gcode` (directions in comments) or `toolpath.csv` has them, bead by bead.
 
-use super::super::program::gcode_words;
 use super::bead::Bead;
+use curvlay_examples::laid::words as gcode_words;
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::collections::HashMap;
 use std::io::{BufRead, Lines};

@@ -6,9 +6,10 @@
 
 use super::super::axes::NozzlePose;
 use super::super::controller::Tick;
-use super::bead::{Bead, to_chord};
+use super::bead::Bead;
 use super::histogram::Histogram;
 use super::worst::Worst;
+use curvlay_examples::laid::to_chord;
 use nalgebra::Point3;
 use std::collections::VecDeque;
 

@@ -5,7 +5,7 @@
 
 use super::super::axes::Axes;
 use super::command::{Command, Goal, Motion, Place, Speed, Zone};
-use super::numbers::{LONGEST_LINE, words};
+use curvlay_examples::laid::{LONGEST_LINE, words};
 use std::io::{BufRead, Read};
 
 /// Why a file of G-code cannot be replayed.

@@ -5,11 +5,9 @@ pub mod command;
 mod files;
 mod flavour;
 pub mod gcode;
-mod numbers;
 mod robot;
 
 pub use files::{AXES, Files, Kind, PART, Wanted, find};
 pub use flavour::{FlavourProgram, fitted};
 pub use gcode::{Dialect, GcodeProgram};
-pub use numbers::words as gcode_words;
 pub use robot::{RobotProgram, Source};

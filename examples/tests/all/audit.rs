@@ -1,6 +1,8 @@
 //! The example `audit`: orders of cells with faults that are known by hand, and what it says to bad input.
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
+mod beads;
+
 // `main` and what it prints are of no use here.
 #[allow(dead_code)]
 #[path = "../../audit/main.rs"]
@@ -53,6 +55,10 @@ fn of_cells(name: &str, lines: &[Line], words: &[&str]) -> (PathBuf, Map<String,
 fn block([nx, ny, nz]: [i32; 3]) -> Vec<Line> {
     let row = |y: i32, z: i32| (0..nx).map(move |x| ([x, y, z], z + 1));
     (0..nz).flat_map(|z| (0..ny).flat_map(move |y| row(y, z))).collect()
+}
+
+fn count_of(summary: &Map<String, Value>, key: &str) -> f64 {
+    summary.get(key).unwrap_or_else(|| panic!("no {key}")).as_f64().unwrap()
 }
 
 fn count(summary: &Map<String, Value>, check: &str) -> u64 {

@@ -1,7 +1,15 @@
 //! The shape of the nozzle: a flat tip, a cone, a block on top of it, round about its axis.
 
-use super::super::axes::NozzlePose;
 use nalgebra::{Point3, Vector3};
+
+/// Where the nozzle is on the part: its tip in millimetres, and the direction from the tip into the nozzle, of length 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NozzlePose {
+    /// The tip.
+    pub tip: Point3<f64>,
+    /// From the tip into the nozzle.
+    pub axis: Vector3<f64>,
+}
 
 /// A nozzle, in millimetres and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Figures of the run of `curved_layers` beside a program: its `summary.json`.
 
-use curvlay_examples::input;
+use crate::input;
 use serde_json::{Map, Value};
 use std::path::Path;
 

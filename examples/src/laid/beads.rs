@@ -16,6 +16,14 @@ pub struct Capsule {
     pub radius: f64,
 }
 
+/// How far a place is from the straight way between two others.
+pub fn to_chord(place: &Point3<f64>, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
+    let way = to - from;
+    let squared = way.norm_squared();
+    let share = if squared > 0.0 { ((place - from).dot(&way) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    (from + way * share - place).norm()
+}
+
 /// Edge of a column and of its floors, in millimetres: a nozzle is some ten of them wide. Larger ones hold beads that are far below it, smaller ones take longer
 /// to look through.
 const EDGE_MM: f64 = 2.0;
@@ -71,6 +79,11 @@ impl Beads {
     /// How many there are.
     pub fn len(&self) -> usize {
         self.all.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
     }
 
     /// The largest radius.
@@ -240,7 +253,7 @@ mod tests {
             way.iter().for_each(|place| capsules.extend(layer.go(*place, 0.5)));
             capsules.extend(layer.end());
             for place in &way {
-                let off = capsules.iter().map(|c| super::super::bead::to_chord(place, &c.ends[0], &c.ends[1])).fold(f64::INFINITY, f64::min);
+                let off = capsules.iter().map(|c| to_chord(place, &c.ends[0], &c.ends[1])).fold(f64::INFINITY, f64::min);
                 prop_assert!(off <= 0.05 + 1e-12, "{off}");
             }
             prop_assert!(capsules.len() <= turns.len() + 1);

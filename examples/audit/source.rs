@@ -1,0 +1,83 @@
+//! What kind of input it is: by its first bytes, and in a folder of `curved_layers` by its files.
+
+use super::args::Args;
+use curvlay_examples::args::Failure;
+use curvlay_examples::facts::Facts;
+use curvlay_examples::input;
+use std::io::Read;
+use std::path::Path;
+
+/// Kinds of input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// An order of cells.
+    Cells,
+    /// G-code.
+    Gcode,
+    /// Waypoints with directions.
+    Waypoints,
+}
+
+/// The input, and the options with what the run in its folder says.
+pub struct Source {
+    /// How it is read.
+    pub kind: Kind,
+    /// Options; the input is a file.
+    pub args: Args,
+}
+
+/// Bytes at the start of a file by which its kind is known: slicers begin with long comments.
+const HEAD_BYTES: u64 = 1 << 16;
+/// What a folder of ours has, in the order in which it is looked for.
+const OURS: [&str; 2] = ["toolpath.gcode", "field.csv"];
+
+/// Finds out.
+///
+/// # Errors
+/// A folder without a file of ours, a file that cannot be read.
+pub fn of(args: &Args) -> Result<Source, Failure> {
+    let mut args = args.clone();
+    if args.input.is_dir() {
+        let folder = args.input.clone();
+        let found = OURS.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+        let none = || {
+            Failure::new(format!(
+                "{}: a folder without {}: is it the output of curved_layers?",
+                folder.display(),
+                OURS.join(" or ")
+            ))
+        };
+        args.input = found.ok_or_else(none)?;
+        let facts = Facts::read(&folder);
+        args.nozzle = args.nozzle.or(facts.nozzle());
+        args.bead.filament_mm = args.bead.filament_mm.or(facts.number("filament_diameter_mm"));
+        args.bead.height_mm = args.bead.height_mm.or(facts.number("layer_height_mm"));
+    }
+    let kind = kind_of(&args.input, &args)?;
+    Ok(Source { kind, args })
+}
+
+fn kind_of(path: &Path, args: &Args) -> Result<Kind, Failure> {
+    let mut head = Vec::new();
+    let open = input::open(path, input::MAX_DATA_BYTES)?;
+    let read = open.take(HEAD_BYTES).read_to_end(&mut head);
+    read.map_err(|error| Failure::new(format!("{}: cannot be read: {error}", path.display())))?;
+    let extension = path.extension().and_then(|name| name.to_str()).unwrap_or("").to_ascii_lowercase();
+    if args.machine.is_some()
+        || ["gcode", "gco", "g", "nc", "ngc", "cnc", "tap", "bgcode"].contains(&extension.as_str())
+    {
+        if head.starts_with(b"GCDE") {
+            return Err(Failure::new(format!("{}: binary G-code is not read: export it as text", path.display())));
+        }
+        return Ok(Kind::Gcode);
+    }
+    let text = String::from_utf8_lossy(&head);
+    let first =
+        text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with(['#', ';'])).unwrap_or("");
+    let words: Vec<&str> = first.split([' ', '\t']).filter(|word| !word.is_empty()).collect();
+    if words.len() == 6 && words.iter().all(|word| word.parse::<f64>().is_ok()) {
+        return Ok(Kind::Waypoints);
+    }
+    let is_word = |word: &&str| word.len() > 1 && word.starts_with(['G', 'M', 'N']) && word[1..].parse::<f64>().is_ok();
+    Ok(if words.first().is_some_and(is_word) { Kind::Gcode } else { Kind::Cells })
+}
