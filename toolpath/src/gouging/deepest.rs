@@ -14,7 +14,7 @@
 //!
 //! Poses on one short way share one walk down the tree (`sweep`): each looks at what some of them may come near.
 
-use super::nozzle::{Nozzle, NozzlePart, Sway};
+use super::nozzle::{Extent, Nozzle, NozzlePart, Sway};
 use super::obstacle::Obstacle;
 use crate::layer::{Keys, LayerStack, Node, Tree, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
@@ -143,18 +143,24 @@ impl Seeker<'_> {
         Seen { middle, z, rho, to_corners, in_plane }
     }
 
-    /// Nor any point of the sheets in a box.
-    pub fn least_in(&self, node: &Node, sway: &Sway) -> f64 {
+    /// Nor any point of the sheets in a box, which are no higher than `top`. What nearly always decides is how high they are and how far out from the side of
+    /// the cone, so these are bounded closely.
+    pub fn least_in(&self, node: &Node, top: f64, sway: &Sway) -> f64 {
         let (z, rho, out) = self.place(node.middle);
-        let reach = |along: f64, across: f64| node.half.dot(&(self.direction * along + out * across).abs());
-        self.nozzle.least_around(z, rho, sway, reach) - self.stand.offset(node.height)
+        let offset = self.stand.offset(node.height);
+        let extent = Extent {
+            up: top - offset - z,
+            down: node.half.dot(&self.direction.abs()),
+            into_cone: node.reach(self.nozzle.inward_of_cone(&self.direction, &out)),
+            inward: node.half.dot(&out.abs()),
+        };
+        self.nozzle.least_around(z, rho, sway, &extent) - offset
     }
 
-    /// How far the sheets in a box are below the tip, at least: no more than their clearance.
-    pub fn below(&self, node: &Node) -> f64 {
-        let (middle, half) =
-            ((node.middle - self.stand.tip).dot(&self.direction), node.half.dot(&self.direction.abs()));
-        -middle - half - self.stand.offset(node.height)
+    /// How far the sheets in a box are above the tip, at most: their clearance is no less than the opposite.
+    pub fn top(&self, node: &Node) -> f64 {
+        let middle = (node.middle - self.stand.tip).dot(&self.direction);
+        middle + node.reach(self.direction) + self.stand.offset(node.height)
     }
 
     /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.
@@ -244,10 +250,11 @@ fn centroid([a, b, c]: &[Point3<f64>; 3]) -> Point3<f64> {
 impl Walk for Seeker<'_> {
     fn bound(&self, node: &Node) -> f64 {
         // Most of what is built lies below the tip.
-        if self.below(node) >= self.bound {
+        let top = self.top(node);
+        if -top >= self.bound {
             return f64::INFINITY;
         }
-        self.least_in(node, &Sway::default())
+        self.least_in(node, top, &Sway::default())
     }
 
     fn matters(&self, bound: f64) -> bool {

@@ -9,6 +9,8 @@ mod hints;
 mod keys;
 mod mould;
 mod rims;
+mod slab;
+mod split;
 mod stack;
 mod surface;
 mod tree;

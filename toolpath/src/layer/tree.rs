@@ -1,8 +1,10 @@
 //! A tree of boxes over triangles, asked for what is built by a given time.
 //!
-//! Boxes are halved at the median of their longest side. The *keys* of triangles (their layer, or a finer time at
+//! Boxes are halved (`split`); the small ones know a slab around their triangles, too (`slab`). The *keys* of triangles (their layer, or a finer time at
 //! which they are built) are kept beside the tree, with their range in each box: other keys need no other tree.
 
+use super::slab::Slab;
+use super::split::{Place, split};
 use super::triangle::Triangle;
 use crate::mesh::on_triangle;
 use nalgebra::{Point3, Vector3};
@@ -11,10 +13,13 @@ use std::ops::Range;
 /// Triangles in a leaf.
 const LEAF: usize = 4;
 
+/// Triangles in a box that has a slab, at most.
+const IN_SLAB: usize = 1024;
+
 /// What is this near to a box, as a share of it, touches it.
 const EDGE: f64 = 1e-9;
 
-/// Boxes on the way down: triangles are halved, so no tree of 2^32 of them is deeper.
+/// Boxes on the way down, mostly: triangles are halved, or nearly.
 const DEEPEST: usize = 40;
 
 #[derive(Debug)]
@@ -30,6 +35,8 @@ pub(crate) struct Node {
     pub half: Vector3<f64>,
     /// The thickest layer in it.
     pub height: f64,
+    /// What the triangles are between, too.
+    slab: Slab,
     /// First triangle and how many in a leaf; in a branch the number of its second child (the first follows it), and 0.
     first: u32,
     count: u32,
@@ -55,10 +62,10 @@ pub(crate) struct Found {
 impl Tree {
     pub fn new(triangles: Vec<Triangle>) -> Self {
         let mut tree = Tree { nodes: Vec::with_capacity(triangles.len()), triangles };
-        let mut middles: Vec<(Point3<f64>, u32)> = tree.triangles.iter().map(middle).zip(0..).collect();
-        if !middles.is_empty() {
-            tree.build(&mut middles, 0);
-            tree.triangles = middles.iter().map(|&(_, index)| tree.triangles[index as usize]).collect();
+        let mut places: Vec<Place> = tree.triangles.iter().zip(0..).map(Place::new).collect();
+        if !places.is_empty() {
+            tree.build(&mut places, 0);
+            tree.triangles = places.iter().map(|place| tree.triangles[place.index as usize]).collect();
             tree.bound();
         }
         tree
@@ -68,30 +75,19 @@ impl Tree {
         &self.triangles
     }
 
-    /// The nodes over `middles`, which become the triangles from `first` on; boxes come later.
-    fn build(&mut self, middles: &mut [(Point3<f64>, u32)], first: usize) {
+    /// The nodes over `places`, whose triangles become those from `first` on; boxes come later.
+    fn build(&mut self, places: &mut [Place], first: usize) {
         let at = self.nodes.len();
         let (zero, none) = (Point3::origin(), Vector3::zeros());
-        let count = middles.len();
-        let node = Node { middle: zero, half: none, height: 0.0, first: first as u32, count: count as u32 };
+        let count = places.len();
+        let slab = Slab::default();
+        let node = Node { middle: zero, half: none, height: 0.0, slab, first: first as u32, count: count as u32 };
         self.nodes.push(node);
         if count <= LEAF {
             return;
         }
-        let [mut low, mut high] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for (middle, _) in middles.iter() {
-            for k in 0..3 {
-                low[k] = low[k].min(middle[k]);
-                high[k] = high[k].max(middle[k]);
-            }
-        }
-        let axis = (1..3).fold(0, |best, k| if high[k] - low[k] > high[best] - low[best] { k } else { best });
-        // Numbers decide between equals: the tree does not depend on how the median is found.
-        let order =
-            |a: &(Point3<f64>, u32), b: &(Point3<f64>, u32)| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1));
-        let (left, _, _) = middles.select_nth_unstable_by(count / 2, order);
-        let split = left.len();
-        let (left, right) = middles.split_at_mut(split);
+        let split = split(places);
+        let (left, right) = places.split_at_mut(split);
         self.build(left, first);
         self.nodes[at].first = self.nodes.len() as u32;
         self.nodes[at].count = 0;
@@ -127,6 +123,21 @@ impl Tree {
             let half = (high - low) / 2.0;
             let node = &mut self.nodes[at];
             (node.middle, node.half, node.height) = (Point3::from((low + high) / 2.0), half, height);
+        }
+        self.slabs();
+    }
+
+    /// The slabs of boxes with few triangles: others hold surfaces in all directions.
+    fn slabs(&mut self) {
+        let mut ranges = vec![0..0; self.nodes.len()];
+        for at in (0..self.nodes.len()).rev() {
+            let node = &mut self.nodes[at];
+            let range =
+                if node.count > 0 { node.range() } else { ranges[at + 1].start..ranges[node.first as usize].end };
+            if range.len() <= IN_SLAB {
+                node.slab = Slab::new(&self.triangles[range.clone()], node.middle);
+            }
+            ranges[at] = range;
         }
     }
 
@@ -213,10 +224,10 @@ impl Tree {
             }
             let node = &self.nodes[at as usize];
             if node.count == 0 {
-                let [one, other] = [at + 1, node.first].map(|child| {
-                    let bound = if there(child) { state.bound(&self.nodes[child as usize]) } else { f64::INFINITY };
-                    (bound, child)
-                });
+                let bound = |child: u32| {
+                    if there(child) { state.bound(&self.nodes[child as usize]) } else { f64::INFINITY }
+                };
+                let (one, other) = ((bound(at + 1), at + 1), (bound(node.first), node.first));
                 let (first, second) = if one.0 <= other.0 { (one, other) } else { (other, one) };
                 stack.extend([second, first].into_iter().filter(|child| state.matters(child.0)));
                 continue;
@@ -237,7 +248,10 @@ impl Tree {
         open.extend((!self.nodes.is_empty()).then_some(0));
         while let Some(at) = open.pop() {
             let node = &self.nodes[at as usize];
-            if by.of_node[at as usize][0] >= before || passes(node) {
+            if by.of_node[at as usize][0] >= before {
+                continue;
+            }
+            if passes(node) {
                 continue;
             }
             if node.count == 0 {
@@ -277,6 +291,11 @@ impl Node {
         !apart && !aside
     }
 
+    /// How far the triangles reach from the middle along a vector, times its length.
+    pub fn reach(&self, along: Vector3<f64>) -> f64 {
+        self.half.dot(&along.abs()).min(self.slab.reach(along, self.half))
+    }
+
     fn range(&self) -> Range<usize> {
         if self.count > 0 { self.first as usize..(self.first + self.count) as usize } else { 0..0 }
     }
@@ -304,9 +323,4 @@ impl Keys {
         }
         Keys { of_triangle, of_node }
     }
-}
-
-fn middle(triangle: &Triangle) -> Point3<f64> {
-    let [a, b, c] = triangle.corners;
-    Point3::from((a.coords + b.coords + c.coords) / 3.0)
 }

@@ -3,6 +3,7 @@
 //! Each distance to a line of the nozzle (see the module above) is convex in space, so it is nowhere less than its tangent at the middle of a body.
 
 use super::Nozzle;
+use nalgebra::Vector3;
 
 /// How far a nozzle may be from a pose, to all sides, in millimetres: in the plane of the axis and a point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,23 +15,33 @@ pub(in crate::gouging) struct Sway {
     pub turned: f64,
 }
 
+/// How far a body reaches from a point, or no farther than that.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::gouging) struct Extent {
+    /// Along the axis and against it.
+    pub up: f64,
+    pub down: f64,
+    /// Along [`Nozzle::inward_of_cone`].
+    pub into_cone: f64,
+    /// Toward the axis.
+    pub inward: f64,
+}
+
 impl Nozzle {
-    /// No less than this is the clearance in a body around a point at (`z`, `rho`), whose extent is what `reach` says
-    /// (to both sides) in a direction given by what it has of the axis and of the ray from the axis to the point.
+    /// The unit vector into the cone, across its side, from points that are in the direction `out` from the axis.
+    pub(in crate::gouging) fn inward_of_cone(&self, axis: &Vector3<f64>, out: &Vector3<f64>) -> Vector3<f64> {
+        axis * self.sin - out * self.cos
+    }
+
+    /// No less than this is the clearance in a body around a point at (`z`, `rho`).
     ///
     /// A nozzle that sways takes from each distance to a line what that line moves.
-    pub(in crate::gouging) fn least_around(
-        &self,
-        z: f64,
-        rho: f64,
-        sway: &Sway,
-        reach: impl Fn(f64, f64) -> f64,
-    ) -> f64 {
+    pub(in crate::gouging) fn least_around(&self, z: f64, rho: f64, sway: &Sway, extent: &Extent) -> f64 {
         let [by_along, by_across, by_side] = self.swayed(sway);
-        let up = reach(1.0, 0.0) + by_along;
+        let (up, down) = (extent.up + by_along, extent.down + by_along);
         let side = (rho - self.tip_radius) * self.cos - z * self.sin - by_side;
-        let cone = (-z - up).max(z - self.cone_height - up).max(side - reach(-self.sin, self.cos));
-        cone.min((self.cone_height - z - up).max(rho - self.block_radius - reach(0.0, 1.0) - by_across))
+        let cone = (-z - up).max(z - self.cone_height - down).max(side - extent.into_cone);
+        cone.min((self.cone_height - z - up).max(rho - self.block_radius - extent.inward - by_across))
     }
 
     /// How far the flat ends, the side of the block and that of the cone move against a point.
@@ -87,7 +98,6 @@ fn least_of_larger(one: [f64; 3], other: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
     use proptest::prelude::*;
 
     proptest! {

@@ -25,7 +25,7 @@
 
 mod bounds;
 
-pub(super) use bounds::Sway;
+pub(super) use bounds::{Extent, Sway};
 
 use nalgebra::{UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
