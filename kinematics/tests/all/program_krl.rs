@@ -393,6 +393,25 @@ fn errors_name_the_place() {
     assert!(error.contains("`A_002.src`"), "{error}");
 }
 
+/// Bug: the name of an axis was looked up in the line of its number. With the number on the next line it was another name, or the reader panicked.
+#[test]
+fn names_and_numbers_may_stand_on_two_lines() {
+    let (files, _) = to_krl(&stroke(), &KrlOptions { name: "PRINT".to_owned(), ..KrlOptions::default() }).unwrap();
+    let steps = |files: &Files| read(files, "PRINT").unwrap().collect::<Result<Vec<Step>, _>>();
+    let whole = steps(&files).unwrap();
+    let mut broken = files.clone();
+    let part = broken.get_mut("PRINT_001.src").unwrap();
+    assert!(part.contains("A5 ") && part.contains(",Y 0,"), "{part}");
+    *part = part.replacen("A5 ", "A5\n", 1).replace(",Y 0,", ",Y\n0,");
+    assert_eq!(steps(&broken).unwrap(), whole);
+    // Too many triggers at an end, the last with its value on a short line.
+    let trigger = "TRIGGER WHEN DISTANCE=1 DELAY=0 DO $OUT[PRINT_EXTR]=\nTRUE\n";
+    let part = broken.get_mut("PRINT_001.src").unwrap();
+    *part = format!("DEF PRINT_001( )\n{}END\n", trigger.repeat(20));
+    let error = steps(&broken).unwrap_err().to_string();
+    assert!(error.contains("a line behind its triggers"), "{error}");
+}
+
 /// Bug: moves by joints beyond 1 to 100 percent, and turning faster than 400 degrees a second, got another speed and were not counted.
 #[test]
 fn speeds_that_the_controller_does_not_take_are_counted() {

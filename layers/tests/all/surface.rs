@@ -478,6 +478,9 @@ fn levels_stand_for_slabs_from_the_plate_to_the_skin() {
     assert!(matches!(field.levels(0.5, 0.099), Err(ContourError::TooThin { .. })));
     assert!(matches!(field.levels(0.5, f64::NAN), Err(ContourError::TooThin { .. })));
     assert!(matches!(field.levels(0.5, 5.1), Err(ContourError::TooThick { .. })));
+    // Bug: a far value made a list of levels that filled the memory.
+    let far = LayerField::new(&cells, (0..40).map(|k| if k == 7 { 1e15 } else { 0.5 }).collect(), 1.0).unwrap();
+    assert!(matches!(extend(&far, &cells).levels(0.5, 0.3), Err(ContourError::TooMany { .. })));
     assert!(matches!(field.levels(0.0, 1.0), Err(ContourError::Placement { .. })));
     let nowhere = Point3::new(f64::NAN, 0.0, 0.0);
     assert!(matches!(contour(&field, &levels, 1.0, nowhere, &go), Err(ContourError::Placement { .. })));

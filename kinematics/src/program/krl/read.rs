@@ -341,7 +341,7 @@ impl<R: BufRead> Part<R> {
         } else if self.ends.len() < HeadSignal::ALL.len() {
             self.ends.push(signal);
         } else {
-            return Err(tokens.unexpected("a line behind its triggers", token));
+            return Err(tokens.unexpected_at(tokens.place(), "a line behind its triggers", "TRIGGER"));
         }
         Ok(())
     }
@@ -377,15 +377,17 @@ fn place(tokens: &mut Tokens<impl BufRead>, in_hand: bool) -> Result<Place, Read
     tokens.marks("{")?;
     loop {
         let token = tokens.next()?;
-        let value = tokens.within("a coordinate, an angle or a number of a posture", -MAX_NUMBER, MAX_NUMBER)?;
         let named = [POSE, AXES, EXTERNAL].iter().enumerate().find_map(|(kind, names)| {
             let at = names.iter().position(|name| tokens.is_word(token, name))?;
             Some((kind, at))
         });
-        match named {
-            Some((kind, at)) if found[kind][at].is_none() => found[kind][at] = Some(value),
-            None if tokens.is_word(token, "S") || tokens.is_word(token, "T") => {}
-            _ => return Err(tokens.unexpected("X, A1, E1 or another component, each once", token)),
+        let is_posture = tokens.is_word(token, "S") || tokens.is_word(token, "T");
+        if named.map_or(!is_posture, |(kind, at)| found[kind][at].is_some()) {
+            return Err(tokens.unexpected("X, A1, E1 or another component, each once", token));
+        }
+        let value = tokens.within("a coordinate, an angle or a number of a posture", -MAX_NUMBER, MAX_NUMBER)?;
+        if let Some((kind, at)) = named {
+            found[kind][at] = Some(value);
         }
         match tokens.next()? {
             Token::Mark(b',') => {}

@@ -78,7 +78,7 @@ pub enum ReadError {
     },
 }
 
-/// What stands in a file. Words and texts are places in the line that is being read.
+/// What stands in a file. Words and texts are places in the line that is being read: they are looked at before the next token, which may be in another line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Token {
     Word(usize, usize),

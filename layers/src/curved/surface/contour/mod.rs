@@ -102,17 +102,30 @@ pub enum ContourError {
         /// How far the part grows.
         part_mm: f64,
     },
+    /// There are too many layers.
+    #[error("{layers:e} layers of {height_mm} mm: {most} are allowed; take thicker layers")]
+    TooMany {
+        /// How many there are.
+        layers: f64,
+        /// The layer height.
+        height_mm: f64,
+        /// How many there may be.
+        most: u32,
+    },
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,
 }
+
+/// Layers of a part, at most.
+const MAX_LAYERS: u32 = 1 << 20;
 
 impl ExtendedField {
     /// The values at which the surfaces of a part lie (Dai 2020, Equation 3.2): the middles of slabs of the given
     /// height, the first of which stands on the plate. The last one is the last whose middle can lie in the part.
     ///
     /// # Errors
-    /// [`ContourError`] for a height below a fifth of a cell, or above that of the part along its growth.
+    /// [`ContourError`] for a height below a fifth of a cell, or above that of the part along its growth, and for more than 2^20 layers.
     ///
     /// # Example
     /// ```
@@ -135,7 +148,11 @@ impl ExtendedField {
             return Err(ContourError::TooThick { height_mm, part_mm });
         }
         let step = height_mm / (self.layer_cells() * cell_mm);
-        let count = (top / step + 0.5).floor() as usize;
+        let layers = (top / step + 0.5).floor();
+        if layers > f64::from(MAX_LAYERS) {
+            return Err(ContourError::TooMany { layers, height_mm, most: MAX_LAYERS });
+        }
+        let count = layers as usize;
         Ok((0..count).map(|i| (i as f64 + 0.5) * step).filter(|&level| level < top).collect())
     }
 }
