@@ -162,7 +162,10 @@ impl Plane {
 
 /// `normal . p`.
 pub(crate) fn dot(normal: [i64; 3], p: [i32; 3]) -> i64 {
-    nearest((0..3).map(|k| i128::from(normal[k]) * i128::from(p[k])).sum())
+    let product = |k: usize| normal[k].checked_mul(p[k].into());
+    let exact = || product(0)?.checked_add(product(1)?)?.checked_add(product(2)?);
+    // Points of hulls never need more.
+    exact().unwrap_or_else(|| nearest((0..3).map(|k| i128::from(normal[k]) * i128::from(p[k])).sum()))
 }
 
 /// The nearest number of 64 bits.
