@@ -31,6 +31,10 @@ pub struct Args {
     /// Thickness of a layer of cells in units of a growth field [default: 1]
     #[arg(long, value_name = "X", value_parser = above_zero, allow_negative_numbers = true)]
     pub field_step: Option<f64>,
+    /// Layers of the order that are printed as one: cells of the last N - 1 are not in the nozzle's way [default: that of the run in a folder of
+    /// curved_layers; 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
+    pub layers_as_one: Option<u32>,
     /// Cells of a grid, and cubes in which volumes are compared, at most: some ten bytes of memory each
     #[arg(long, value_name = "N", default_value_t = 100_000_000, value_parser = clap::value_parser!(u64).range(1..=4_000_000_000), allow_negative_numbers = true)]
     pub max_cells: u64,

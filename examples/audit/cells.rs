@@ -207,7 +207,8 @@ impl Faults {
             Rules { inside_depth_cells: args.eps_cells, boundary_is_inside: !args.beyond_eps, ..Rules::default() };
         let (rule, built) = (rule(args), (&ordered.layers, ordered.missed.as_slice()));
         let run = |with: &[NozzleCell]| {
-            let judged = JudgedByNozzle { rule, cell_mm: order.cell_mm, steps: 1, cells: with };
+            let judged =
+                JudgedByNozzle { rule, cell_mm: order.cell_mm, steps: args.layers_as_one.unwrap_or(1), cells: with };
             let progress = |p: curvlay_layers::Progress| bars.show(p.stage, p.done, p.total);
             audit_listing(&cells, &platform, &rules, &judged, built, usize::MAX, &progress)
         };

@@ -50,6 +50,7 @@ pub fn of(args: &Args) -> Result<Source, Failure> {
         args.input = found.ok_or_else(none)?;
         let facts = Facts::read(&folder);
         args.nozzle = args.nozzle.or(facts.nozzle());
+        args.layers_as_one = args.layers_as_one.or(facts.number("steps_per_layer").map(|steps| (steps as u32).max(1)));
         args.bead.filament_mm = args.bead.filament_mm.or(facts.number("filament_diameter_mm"));
         args.bead.height_mm = args.bead.height_mm.or(facts.number("layer_height_mm"));
     }

@@ -5,7 +5,7 @@ use crate::surfaces::{self, Made, SurfaceOptions};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::ProgressFn;
-use curvlay_layers::curved::surface::SavedField;
+use curvlay_layers::curved::surface::{LayerField, SavedField};
 use curvlay_layers::curved::{
     AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, SupportCells, Workpiece, audit_with_nozzle,
 };
@@ -29,6 +29,8 @@ pub struct Ordered {
     pub support: Vec<u32>,
     pub contact: Vec<u32>,
     pub straight_cells: usize,
+    /// Layers of the order that are printed as one.
+    pub steps_per_layer: u32,
     pub no_support: Option<NoSupport>,
     /// Its layers, if surfaces are made.
     pub made: Option<Made>,
@@ -75,6 +77,7 @@ impl Ordered {
             support,
             contact,
             straight_cells,
+            steps_per_layer: steps,
             no_support,
             made,
         })
@@ -105,6 +108,7 @@ impl Ordered {
             support: support.to_vec(),
             contact: contact.to_vec(),
             straight_cells: order.supported.as_ref().map_or(0, |supported| supported.straight_cells),
+            steps_per_layer: order.field.as_ref().map_or(1, LayerField::steps_per_layer),
             no_support: order.no_support,
             made: None,
         };

@@ -11,6 +11,9 @@ use curvlay_toolpath::path::BeadKind;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use std::io::BufRead;
 
+/// A tip of the nozzle, and its direction.
+type Pose = (Point3<f64>, UnitVector3<f64>);
+
 /// Rotary axes move by no more than this at once, in radians: between two places the tip on the part is taken as going straight.
 const TURN: f64 = 0.02;
 /// Coordinates beyond this, in millimetres, are a slip.
@@ -270,12 +273,7 @@ impl State {
     }
 
     /// Tips and directions along a move.
-    fn laid(
-        &self,
-        from: [f64; 5],
-        to: [f64; 5],
-        axes: [UnitVector3<f64>; 2],
-    ) -> Result<Vec<(Point3<f64>, UnitVector3<f64>)>, String> {
+    fn laid(&self, from: [f64; 5], to: [f64; 5], axes: [UnitVector3<f64>; 2]) -> Result<Vec<Pose>, String> {
         if let Some(machine) = &self.machine {
             if self.motion > 1 {
                 return Err("arcs of axes are not read: export straight moves".to_owned());

@@ -38,6 +38,8 @@ pub struct FieldRun {
     /// Volume of the support in cells of the part, beside its material.
     pub contact_mm3: f64,
     pub straight_cells: usize,
+    /// Layers of the order that are printed as one.
+    pub steps_per_layer: u32,
     /// Why there is no support where cells are missed; a saved field does not say.
     pub no_support: Option<NoSupport>,
     /// Those of the missed ones by the hull rule that no order can build, and whether the proofs hold.

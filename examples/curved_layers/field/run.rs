@@ -220,6 +220,7 @@ fn field_run(
         support: ordered.support,
         contact_mm3,
         straight_cells: ordered.straight_cells,
+        steps_per_layer: ordered.steps_per_layer,
         no_support: ordered.no_support,
         impossible,
         proofs,

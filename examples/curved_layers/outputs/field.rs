@@ -227,6 +227,7 @@ fn of_order(run: &FieldRun, summary: &mut Summary) -> Result<(), Failure> {
     let growth = &run.growth;
     summary
         .set("cell_layers", growth.order.len())?
+        .set("steps_per_layer", run.steps_per_layer)?
         .set("missed_cells", growth.missed.len())?
         .set("missed_by_hull_cells", run.missed_by_hull.len())?
         .set("nozzle_cells", growth.nozzle.len())?

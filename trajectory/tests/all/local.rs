@@ -15,10 +15,10 @@ fn joints<const N: usize, const F: usize>(nodes: &[LadderNode<N, F>]) -> Vec<[f6
 
 /// Speeds and accelerations at the waypoints with a whole stencil.
 fn rates<const N: usize>(times: &[f64], joints: &[[f64; N]]) -> Vec<[[f64; N]; 2]> {
-    let stencils = times.array_windows::<5>().zip(joints.array_windows::<5>());
+    let stencils = times.windows(5).zip(joints.windows(5));
     stencils
         .map(|(times, joints)| {
-            let weights = stencil(times);
+            let weights = stencil(times.first_chunk().expect("windows of five"));
             [0, 1].map(|order| std::array::from_fn(|n| (0..5).map(|k| weights[order][k] * joints[k][n]).sum()))
         })
         .collect()

@@ -210,8 +210,9 @@ proptest! {
     ) {
         let [cell_mm, lipschitz, value] = numbers;
         let bounds = [low, high].map(Point3::from);
-        let functions: [&dyn Fn(&Point3<f64>) -> f64; 3] = [&|at| at.coords.norm() - 2.0, &|_| value, &|at| if at.x > 0.0 { f64::NAN } else { at.y }];
-        for f in functions {
+        let half = |at: &Point3<f64>| if at.x > 0.0 { f64::NAN } else { at.y };
+        for kind in 0..3 {
+            let f = |at: &Point3<f64>| [at.coords.norm() - 2.0, value, half(at)][kind];
             for cell_mm in [cell_mm, 1.0] {
                 for lipschitz in [None, Some(lipschitz)] {
                     let options = ImplicitOptions { cell_mm, samples, lipschitz, max_bytes: 1 << 8 };
