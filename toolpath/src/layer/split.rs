@@ -76,7 +76,7 @@ mod tests {
         let at = |n: u32| {
             let (layer, k) = (n / count, n % count);
             let share = f64::from(k) / f64::from(count);
-            place(n, [side * share, side * (7.0 * share).fract(), 0.3 * f64::from(layer)], layer + 1)
+            place(n, [side * share, 0.8 * side * (7.0 * share).fract(), 0.3 * f64::from(layer)], layer + 1)
         };
         (0..layers * count).map(at).collect()
     }
