@@ -104,6 +104,7 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
         .set("mesh", mesh)?
         .set("nozzle", args.nozzle_sizes().map(|size| size.to_string()).join(","))?
         .set("scale", args.input_scale)?
+        .set("layers_as_one", args.layers_as_one.unwrap_or(1))?
         .set("machine", args.machine.as_ref().map_or("none".to_owned(), |path| path.display().to_string()))?
         .set("max_tilt_deg", args.max_tilt_deg)?
         .set("clearance_cells", args.clearance_cells)?

@@ -71,6 +71,23 @@ fn counts(summary: &Map<String, Value>) -> [u64; 4] {
     ["shadowed", "unsupported", "in_air", "laid_twice"].map(|check| count(summary, check))
 }
 
+/// Beside a post that grew in the steps before: in the way, unless these steps are one layer. A folder says how many are.
+#[test]
+fn steps_of_one_layer_are_not_in_the_way() {
+    let text = "i,j,k,layer,nx,ny,nz\n2,0,0,1,0,0,1\n2,0,1,2,0,0,1\n2,0,2,3,0,0,1\n0,0,0,4,0,0,1\n";
+    let path = input("steps.csv", text);
+    for (steps, gouged) in [("1", 1), ("3", 0)] {
+        let (_, summary, _) = run(&format!("steps-{steps}"), &[&path, "--layers-as-one", steps]);
+        assert_eq!((count(&summary, "gouged"), summary["layers_as_one"].to_string().as_str()), (gouged, steps));
+    }
+    let folder = common::place("audit", "of-steps");
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("field.csv"), text).unwrap();
+    fs::write(folder.join("summary.json"), "{\"steps_per_layer\": 3}").unwrap();
+    let (_, summary, _) = run("steps-folder", &[folder.to_str().unwrap()]);
+    assert_eq!((count(&summary, "gouged"), summary["layers_as_one"].as_u64()), (0, Some(3)));
+}
+
 #[test]
 fn a_block_by_flat_layers_has_no_fault() {
     let (path, summary, passes) = of_cells("block", &block([3, 3, 4]), &[]);
