@@ -168,21 +168,12 @@ impl RowIntervals {
             return; // of a body without volume no point is deep below its surface
         }
         // Rows beside the body are not searched.
-        let within = |row: [i32; 2]| {
-            [1, 2].into_iter().all(|axis| {
-                let extent = |sign: i32| {
-                    let mut direction = [0; 3];
-                    direction[axis] = sign;
-                    hull.support(direction)
-                };
-                let at = i64::from(row[axis - 1]);
-                extent(1).is_some_and(|high| at <= high) && extent(-1).is_some_and(|low| at >= -low)
-            })
-        };
+        let reach = |direction: [i32; 3]| hull.support(direction).unwrap_or(i64::MAX);
+        let extents = [[0, 1, 0], [0, 0, 1]].map(|up: [i32; 3]| -reach(up.map(|c| -c))..=reach(up));
         for (row, ends) in self.ends.iter_mut().enumerate() {
             let index = [row as u32 % ny, row as u32 / ny];
             let [y, z] = [0, 1].map(|k| self.lattice.origin[k] + self.lattice.step * index[k] as i32);
-            if !within([y, z]) {
+            if !extents[0].contains(&y.into()) || !extents[1].contains(&z.into()) {
                 continue;
             }
             let mut deep = (low..=high).filter(|&x| hull.is_deep([x, y, z]));

@@ -217,15 +217,18 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         ("field.txt", "curvlay field 9\n", "take field.csv"),
         ("other.xyz", "hello\n", "line 1: no columns x,y,z"),
     ];
-    for (name, text, wanted) in bad {
-        let path = input(name, text);
-        let folder = common::place("audit", &format!("bad-{name}"));
-        let output = common::example("audit").args([&path, "--quiet", "--out"]).arg(&folder).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{name}: {said}");
-        assert!(said.trim_end().lines().count() == 1 && said.contains(wanted) && said.contains(name), "{name}: {said}");
-        assert!(!folder.join("report.html").exists() && !folder.join("summary.json").exists(), "{name}");
-    }
+    bad.into_iter().for_each(assert_refused);
+}
+
+/// A file with this name and text ends in one line with its name and what is wrong, and nothing is written.
+fn assert_refused((name, text, wanted): (&str, &str, &str)) {
+    let path = input(name, text);
+    let folder = common::place("audit", &format!("bad-{name}"));
+    let output = common::example("audit").args([&path, "--quiet", "--out"]).arg(&folder).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{name}: {said}");
+    assert!(said.trim_end().lines().count() == 1 && said.contains(wanted) && said.contains(name), "{name}: {said}");
+    assert!(!folder.join("report.html").exists() && !folder.join("summary.json").exists(), "{name}");
 }
 
 /// Slow twin: what is said to lie on nothing, in the air and twice, cell by cell over the list.

@@ -248,10 +248,7 @@ impl Tree {
         open.extend((!self.nodes.is_empty()).then_some(0));
         while let Some(at) = open.pop() {
             let node = &self.nodes[at as usize];
-            if by.of_node[at as usize][0] >= before {
-                continue;
-            }
-            if passes(node) {
+            if by.of_node[at as usize][0] >= before || passes(node) {
                 continue;
             }
             if node.count == 0 {

@@ -1,6 +1,6 @@
 //! Programs with faults of known length, the same program in other words, and a slow twin.
 
-use super::{count_of, input, run};
+use super::{assert_refused, count_of, input, run};
 use crate::common;
 use proptest::prelude::*;
 use serde_json::{Map, Value};
@@ -215,15 +215,7 @@ fn bad_programs_are_one_line_and_leave_nothing() {
         ("sizes.txt", "0 0 0 0 0 1\n1 0 0 0 0 1\n", "give --bead"),
         ("flat.txt", "0 0 0 0 0 0\n1 0 0 0 0 1\n", "line 1: the direction"),
     ];
-    for (name, text, wanted) in bad {
-        let path = input(name, text);
-        let folder = common::place("audit", &format!("bad-{name}"));
-        let output = common::example("audit").args([&path, "--quiet", "--out"]).arg(&folder).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{name}: {said}");
-        assert!(said.trim_end().lines().count() == 1 && said.contains(wanted) && said.contains(name), "{name}: {said}");
-        assert!(!folder.join("summary.json").exists(), "{name}");
-    }
+    bad.into_iter().for_each(assert_refused);
 }
 
 /// Slow twin: how long beads along x lie in earlier ones by more than half, by fine steps over all pairs.
