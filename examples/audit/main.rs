@@ -108,7 +108,7 @@ fn audited(source: &source::Source, part: Option<Mesh>, bars: &Bars) -> Result<A
         kind => {
             let read = if kind == source::Kind::Waypoints { programs::read_waypoints } else { programs::read_gcode };
             let program = read(&args.input, args)?;
-            let part = centred(args, part, beads::bounds(&program.paths));
+            let part = centred(args, part, beads::part_bounds(&program.paths));
             beads::audit(&program, args, part.as_ref(), bars)
         }
     }

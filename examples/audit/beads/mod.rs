@@ -20,10 +20,18 @@ use curvlay_toolpath::support::{BeadSupport, SupportOptions, check_support};
 use nalgebra::Point3;
 use shape::{length, section_mm2};
 
-/// Corners of the box of all beads.
-pub fn bounds(paths: &[ToolPath]) -> [Point3<f64>; 2] {
+/// Corners of the box of the beads of the part; of all, if none is of the part. Skirts and support may reach farther on one side.
+pub fn part_bounds(paths: &[ToolPath]) -> [Point3<f64>; 2] {
+    match paths.iter().any(volume::is_of_part) {
+        true => bounds(paths.iter().filter(|path| volume::is_of_part(path))),
+        false => bounds(paths),
+    }
+}
+
+/// Corners of the box of beads.
+fn bounds<'a>(paths: impl IntoIterator<Item = &'a ToolPath>) -> [Point3<f64>; 2] {
     let start = [Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])];
-    paths.iter().flat_map(|path| &path.waypoints).fold(start, |[low, high], at| {
+    paths.into_iter().flat_map(|path| &path.waypoints).fold(start, |[low, high], at| {
         let half = nalgebra::Vector3::repeat(at.width.max(at.height));
         [low.inf(&(at.position - half)), high.sup(&(at.position + half))]
     })

@@ -316,25 +316,17 @@ fn is_moves(code: &str) -> bool {
     is_word && "GNXYZABCEFUVWgnxyzabcefuvw(".contains(first) || first == '('
 }
 
-/// What a bead is for, by the names of PrusaSlicer and its relatives, and of Cura: `Infill` is sparse and not judged, `Support` is not of the part.
+/// What a bead is for, by the names of PrusaSlicer and its relatives, and of Cura. Sparse beads and what goes over them is not judged for support; support is
+/// nearly always sparse, and no name says where it is not.
 fn kind_of(name: &str, is_solid: bool) -> BeadKind {
     match name {
         "Internal infill" | "Sparse infill" | "FILL" if !is_solid => BeadKind::Infill,
         "External perimeter" | "Outer wall" | "WALL-OUTER" => BeadKind::Wall,
-        "Support material"
-        | "Support material interface"
-        | "Support"
-        | "Support interface"
-        | "SUPPORT"
-        | "SUPPORT-INTERFACE"
-        | "Skirt/Brim"
-        | "Skirt"
-        | "Brim"
-        | "SKIRT"
-        | "Wipe tower"
-        | "Prime tower"
-        | "PRIME-TOWER"
-        | "Custom" => BeadKind::Support,
+        "Support material" | "Support" | "SUPPORT" => BeadKind::SparseSupport,
+        "Support material interface" | "Support interface" | "SUPPORT-INTERFACE" => BeadKind::SupportBridge,
+        "Skirt/Brim" | "Skirt" | "Brim" | "SKIRT" | "Wipe tower" | "Prime tower" | "PRIME-TOWER" | "Custom" => {
+            BeadKind::Support
+        }
         _ => BeadKind::Solid,
     }
 }

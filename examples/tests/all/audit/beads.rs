@@ -93,6 +93,23 @@ fn faults_have_their_lengths() {
     assert!((mm(&summary, "gouged") - 20.0).abs() < 1e-6);
 }
 
+/// Bugs: sparse support of a slicer was said to lie on nothing, and a skirt that is farther out on one side moved the part with `--centre`.
+#[test]
+fn support_and_skirts_are_not_of_the_part() {
+    let [from, to] = [[0.0, 5.0, 4.0], [20.0, 5.0, 4.0]];
+    let loose = gcode(&[&wall(4)[..], &[[from, to]]].concat());
+    let (at, bead) = (loose.rfind("G0 ").unwrap(), "support");
+    let of_kind = |kind: &str| format!("{};TYPE:{kind}\n{}", &loose[..at], &loose[at..]);
+    for (kind, found) in [("Perimeter", 20.0), ("Support material", 0.0), ("SUPPORT-INTERFACE", 0.0)] {
+        let (summary, _) = of_text(bead, &of_kind(kind), &[]);
+        assert!((mm(&summary, "unsupported") - found).abs() < 1e-6, "{kind}: {}", mm(&summary, "unsupported"));
+    }
+    let mesh = input("wall.obj", &common::boxes_as_obj(&[[[0; 3], [20, 1, 2]]]));
+    let skirt = format!(";TYPE:Skirt/Brim\n{};TYPE:Perimeter\n", gcode(&[[[40.0, 9.0, 0.5], [50.0, 9.0, 0.5]]]));
+    let (summary, _) = of_text("skirt", &(skirt + &gcode(&wall(4))), &["--mesh", &mesh, "--centre"]);
+    assert!(mm(&summary, "outside") == 0.0 && summary["uncovered_share"].as_f64().unwrap() < 0.02, "{summary:?}");
+}
+
 #[test]
 fn a_part_says_what_is_missing_and_outside() {
     let mesh = input("bar.obj", &common::boxes_as_obj(&[[[0; 3], [20, 4, 2]]]));
