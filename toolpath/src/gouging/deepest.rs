@@ -16,7 +16,7 @@
 
 use super::nozzle::{Extent, Nozzle, NozzlePart, Sway};
 use super::obstacle::Obstacle;
-use crate::layer::{Keys, LayerStack, Node, Tree, Triangle, Walk};
+use crate::layer::{Keys, LayerStack, Node, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 /// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
@@ -45,9 +45,7 @@ pub struct Contact {
 
 /// What a nozzle must keep clear of.
 pub(crate) struct Scene<'a> {
-    pub tree: &'a Tree,
-    /// Edges of boundaries, which triangles name.
-    pub rims: &'a [[Point3<f64>; 2]],
+    pub stack: &'a LayerStack<'a>,
     /// When each triangle is built.
     pub keys: &'a Keys,
     pub nozzle: &'a Nozzle,
@@ -71,7 +69,8 @@ pub(crate) struct Worst {
     pub point: Point3<f64>,
     /// Clearance less what it must be: below 0.
     pub lack: f64,
-    /// Thickness of its layer, and which it is.
+    /// Its triangle, the thickness of its layer, and which it is.
+    pub triangle: u32,
     pub height: f64,
     pub obstacle: Obstacle,
 }
@@ -97,7 +96,7 @@ impl Stand {
 
 pub(super) struct Seeker<'a> {
     pub nozzle: &'a Nozzle,
-    rims: &'a [[Point3<f64>; 2]],
+    stack: &'a LayerStack<'a>,
     pub stand: Stand,
     direction: Vector3<f64>,
     rough: f64,
@@ -165,7 +164,7 @@ impl Seeker<'_> {
 
     /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.
     fn to_rim(&self, p: Point3<f64>, triangle: &Triangle) -> f64 {
-        let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
+        let rims = &self.stack.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
         let squares = rims.iter().map(|[a, b]| {
             let along = b - a;
             let share = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
@@ -175,7 +174,8 @@ impl Seeker<'_> {
     }
 
     /// Looks for a worse point in a piece of a sheet of a triangle, `offset` from it along the normals; whether to stop.
-    fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
+    fn piece(&mut self, base: [Corner; 3], of: (u32, &Triangle), offset: f64) -> bool {
+        let (number, triangle) = of;
         let corners = base.map(|(corner, normal)| corner + normal * offset);
         let needed = self.stand.clearance(triangle.height);
         let Seen { middle, z, rho, to_corners, in_plane } = self.seen(&corners);
@@ -196,7 +196,7 @@ impl Seeker<'_> {
         };
         if lack < self.bound && !has_skin {
             let (height, obstacle) = (triangle.height, Obstacle::of(triangle));
-            self.worst = Some(Worst { point: middle, lack, height, obstacle });
+            self.worst = Some(Worst { point: middle, lack, triangle: number, height, obstacle });
             // A point that is worse by less than this is not looked for: the walk ends sooner.
             self.bound = lack * (1.0 + self.rough);
             if self.any {
@@ -212,7 +212,7 @@ impl Seeker<'_> {
         let k = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
         let [from, to, tip] = [base[k], base[(k + 1) % 3], base[(k + 2) % 3]];
         let half = (nalgebra::center(&from.0, &to.0), (from.1 + to.1) / 2.0);
-        self.piece([from, half, tip], triangle, offset) || self.piece([half, to, tip], triangle, offset)
+        self.piece([from, half, tip], of, offset) || self.piece([half, to, tip], of, offset)
     }
 
     /// How much of a piece is nearer to the boundary of the layer than the skin that may be entered from the side.
@@ -261,23 +261,24 @@ impl Walk for Seeker<'_> {
         bound < self.bound
     }
 
-    fn see(&mut self, triangle: &Triangle) -> bool {
+    fn see(&mut self, number: u32, triangle: &Triangle) -> bool {
         let offset = self.stand.offset(triangle.height);
         // Sheets are no farther than that from the triangle.
         if self.least(&triangle.corners, &Sway::default()) - offset >= self.bound {
             return false;
         }
-        let base = [0, 1, 2].map(|k| (triangle.corners[k], triangle.normals[k]));
+        let normals = self.stack.corner_normals(triangle);
+        let base = [0, 1, 2].map(|k| (triangle.corners[k], normals[k]));
         // The outer sheets first: where they are gouged the middle one is not asked.
         let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
-        sheets.iter().any(|side| self.piece(base, triangle, side * offset))
+        sheets.iter().any(|side| self.piece(base, (number, triangle), side * offset))
     }
 }
 
 impl<'a> Scene<'a> {
     /// The triangles of a stack, with these keys.
-    pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
-        Scene { tree: &stack.tree, rims: &stack.rims, keys, nozzle, plate }
+    pub fn new(stack: &'a LayerStack<'a>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
+        Scene { stack, keys, nozzle, plate }
     }
 
     fn seek(
@@ -289,21 +290,22 @@ impl<'a> Scene<'a> {
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<Worst> {
         let mut seeker = self.seeker(stand, direction, rough, any);
-        self.tree.walk(self.keys, stand.before, &mut seeker, stack);
+        self.stack.tree.walk(self.keys, stand.before, &mut seeker, stack);
         seeker.worst
     }
 
     pub(super) fn seeker(&self, stand: Stand, direction: &UnitVector3<f64>, rough: f64, any: bool) -> Seeker<'a> {
         let direction = direction.into_inner();
-        Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any }
+        Seeker { nozzle: self.nozzle, stack: self.stack, stand, direction, rough, worst: None, bound: 0.0, any }
     }
 
     /// As [`Scene::is_free`], at a pose on a way with no more built and the same allowed, given the triangles near it.
     pub fn is_free_of(&self, near: &[u32], stand: Stand, direction: &UnitVector3<f64>) -> bool {
         let mut seeker = self.seeker(stand, direction, 0.0, true);
-        let triangles = self.tree.triangles();
+        let triangles = self.stack.tree.triangles();
         let is_there = |t: &&u32| self.keys.of_triangle[**t as usize] < stand.before;
-        self.above_plate(stand, direction) && !near.iter().filter(is_there).any(|&t| seeker.see(&triangles[t as usize]))
+        self.above_plate(stand, direction)
+            && !near.iter().filter(is_there).any(|&t| seeker.see(t, &triangles[t as usize]))
     }
 
     /// Whether the nozzle keeps off the plate all along a straight way on which its direction turns evenly: nothing in between is lower, or
