@@ -73,6 +73,9 @@ impl<const N: usize> Bounds<N> {
     };
 
     /// Whether joint `j` turns without a stop, so that angles a whole turn apart are one posture.
+    ///
+    /// # Panics
+    /// If there is no such joint.
     pub fn is_endless(&self, joint: usize) -> bool {
         self.upper[joint] - self.lower[joint] == f64::INFINITY
     }

@@ -15,6 +15,14 @@ pub enum FreeRange {
 }
 
 impl FreeRange {
+    /// Whether there are values in it: it is finite, and does not end before it begins.
+    pub(crate) fn is_sound(self) -> bool {
+        match self {
+            FreeRange::Turn => true,
+            FreeRange::Within(least, most) => least <= most && (most - least).is_finite(),
+        }
+    }
+
     /// How many samples are different: as many as wanted, but one where the range holds a single value, such as the tilt of a table that only
     /// turns.
     pub(crate) fn samples(self, wanted: u32) -> u32 {

@@ -6,7 +6,8 @@ use super::report::{Findings, raise_some};
 use super::{CheckOptions, CheckedMotion, FindingKind, Moment, MotionKind, PrintPeak, PrintScene};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
-/// Samples are put between two others at most so often: a piece is cut into a million parts where a nozzle jumps.
+/// Samples are put between two others at most so often, counted from a piece of one part: a piece is cut into a million parts where a nozzle
+/// jumps, and into no more where joints go far as well.
 const MAX_HALVINGS: u32 = 20;
 
 /// No joint moves farther between two samples, in radians, however little the nozzle does: a nozzle that goes there and
@@ -85,7 +86,7 @@ pub(super) fn check<const N: usize>(
                 let share = part as f64 / parts as f64;
                 let time = if part == parts { ends[1] } else { ends[0] + (ends[1] - ends[0]) * share };
                 let next = walk.sample(piece, time);
-                walk.between(piece, before, next, 0);
+                walk.between(piece, before, next, parts.ilog2());
                 before = next;
             }
         }

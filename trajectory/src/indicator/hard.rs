@@ -10,7 +10,7 @@
 use super::CollisionIndicator;
 use super::contact::ContactSpace;
 use super::rates::verification_samples;
-use super::samples::{Sample, SamplesError};
+use super::samples::{Sample, SamplesError, check_count};
 use super::svm::SvmError;
 
 /// How samples are added.
@@ -109,7 +109,7 @@ pub fn hard_samples<const N: usize, I: CollisionIndicator<N>>(
     let mut seed = options.seed;
     // On contact and near it, by turns of the seed.
     let mut draw = |count: [usize; 2]| -> Result<Vec<Sample<N>>, SamplesError> {
-        let mut all = Vec::with_capacity(count[0] + count[1]);
+        let mut all = Vec::new();
         for (count, within) in count.into_iter().zip([0.0, options.within]) {
             all.extend(verification_samples(space, count, within, seed)?);
             seed = seed.wrapping_add(1);
@@ -117,7 +117,7 @@ pub fn hard_samples<const N: usize, I: CollisionIndicator<N>>(
         Ok(all)
     };
     let mut samples = draw([options.initial; 2])?;
-    let (mut wrong, mut checked) = (Vec::with_capacity(options.rounds), samples.len());
+    let (mut wrong, mut checked) = (Vec::new(), samples.len());
     for round in 0.. {
         let indicator =
             train(&samples).map_err(|error| HardError::Training { round, samples: samples.len(), error })?;
@@ -164,6 +164,8 @@ impl HardOptions {
             let value = self.pool as f64;
             return Err(SamplesError::Option { what: "pool", value, must: "no less than added" });
         }
+        check_count("initial", self.initial)?;
+        check_count("pool", self.pool)?;
         if !(self.within.is_finite() && self.within > 0.0) {
             return Err(SamplesError::Option { what: "within", value: self.within, must: "finite and above 0" });
         }

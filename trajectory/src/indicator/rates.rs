@@ -9,7 +9,7 @@
 
 use super::CollisionIndicator;
 use super::contact::ContactSpace;
-use super::samples::{Sample, SamplesError, contacts};
+use super::samples::{Sample, SamplesError, check_count, contacts};
 use crate::random::Random;
 
 /// Counts of right and wrong predictions.
@@ -76,7 +76,7 @@ fn share(part: usize, rest: usize) -> Option<f64> {
 /// `within` radians (evenly in the ball; 0 leaves them on contact), and the exact answer for each.
 ///
 /// # Errors
-/// [`SamplesError`] for an invalid step, or when the surface is out of reach.
+/// [`SamplesError`] for an invalid step, a `count` above 16,777,216, or when the surface is out of reach.
 pub fn verification_samples<const N: usize>(
     space: &(impl ContactSpace<N> + ?Sized),
     count: usize,
@@ -86,6 +86,7 @@ pub fn verification_samples<const N: usize>(
     if !(within.is_finite() && within >= 0.0) {
         return Err(SamplesError::Option { what: "within", value: within, must: "finite and not below 0" });
     }
+    check_count("count", count)?;
     let mut random = Random::new(seed);
     let mut samples = vec![];
     for at in contacts(space, count, &mut random)? {

@@ -112,6 +112,20 @@ pub enum SamplesError {
 /// Attempts a wanted posture on contact.
 const ATTEMPTS: usize = 200;
 
+/// So many postures are waited for at a time: a surface that is out of reach shows after 200,000 attempts, however many are wanted.
+const AHEAD: usize = 1000;
+
+/// Most postures that are drawn at once, about a gigabyte of them.
+pub(super) const MAX_COUNT: usize = 1 << 24;
+
+/// Refuses to draw more than there is memory for.
+pub(super) fn check_count(what: &'static str, count: usize) -> Result<(), SamplesError> {
+    if count > MAX_COUNT {
+        return Err(SamplesError::Option { what, value: count as f64, must: "at most 16,777,216" });
+    }
+    Ok(())
+}
+
 impl SamplingOptions {
     fn check(&self) -> Result<(), SamplesError> {
         let SamplingOptions { coarse_share, coarse, fine, projected, contact_tolerance, .. } = *self;
@@ -132,7 +146,7 @@ impl SamplingOptions {
                 return Err(SamplesError::Option { what, value: 0.0, must: "at least 1" });
             }
         }
-        Ok(())
+        check_count("initial", self.initial.min(self.max_samples))
     }
 }
 
@@ -145,7 +159,7 @@ pub(super) fn contacts<const N: usize>(
     let mut found = vec![];
     let mut attempts = 0;
     while found.len() < count {
-        if attempts >= ATTEMPTS.saturating_mul(count) {
+        if attempts >= ATTEMPTS * count.min(found.len() + AHEAD) {
             return Err(SamplesError::OutOfReach { found: found.len(), wanted: count, attempts });
         }
         attempts += 1;
@@ -279,7 +293,7 @@ impl<const N: usize> Samples<N> {
 /// Samples drawn evenly between two corners of joint space: what Algorithm 7 is compared with.
 ///
 /// # Errors
-/// [`SamplesError::Option`] for corners that are not finite or not in order.
+/// [`SamplesError::Option`] for corners that are not finite or not in order, and for a `count` above 16,777,216.
 pub fn random_samples<const N: usize>(
     space: &(impl ContactSpace<N> + ?Sized),
     low: &[f64; N],
@@ -287,6 +301,7 @@ pub fn random_samples<const N: usize>(
     count: usize,
     seed: u64,
 ) -> Result<Vec<Sample<N>>, SamplesError> {
+    check_count("count", count)?;
     for (low, high) in low.iter().zip(high) {
         if !(low.is_finite() && high.is_finite() && low <= high) {
             return Err(SamplesError::Option { what: "high", value: *high, must: "finite and no less than low" });

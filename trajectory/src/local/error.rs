@@ -39,6 +39,16 @@ pub enum FilterError {
         /// The waypoint, counted from 0.
         waypoint: usize,
     },
+    /// A free parameter of the robot has a range without values.
+    #[error("free parameter {parameter} is from {from} to {to}: the range must be finite and not end before it begins")]
+    Range {
+        /// The parameter, counted from 0.
+        parameter: usize,
+        /// Where its range begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
     /// An option is invalid.
     #[error("`{what}` is {value}: it must be finite and not below 0")]
     Option {

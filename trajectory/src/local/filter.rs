@@ -8,7 +8,7 @@ use crate::angle::nearest_image;
 use crate::jerk::stencils;
 use crate::ladder::LadderNode;
 use crate::path::MIN_WAYPOINTS;
-use crate::robot::Robot;
+use crate::robot::{FreeRange, Robot};
 use crate::{Bounds, Progress, ProgressFn};
 
 /// Joints of a start may differ from the robot's own by this many radians and whole turns.
@@ -122,16 +122,19 @@ fn minimise_about<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 ) -> (usize, bool) {
     let mut margin = options.margin;
     loop {
-        let window = middle.saturating_sub(margin)..(middle + margin + 1).min(locked.len());
+        let window = middle.saturating_sub(margin)..middle.saturating_add(margin).saturating_add(1).min(locked.len());
+        // Beyond all waypoints it does not grow.
+        let is_whole = window == (0..locked.len());
         if filter.minimise(motion, window.clone(), options.gain) {
             locked[window].fill(false);
             return (margin, true);
         }
-        if options.growth == 0 || margin + options.growth > options.max_margin {
+        let wider = margin.saturating_add(options.growth);
+        if is_whole || options.growth == 0 || wider > options.max_margin {
             locked[window].fill(true);
             return (margin, false);
         }
-        margin += options.growth;
+        margin = wider;
     }
 }
 
@@ -193,6 +196,13 @@ fn check<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     for (what, value) in options.weights.map(|weight| ("weights", weight)).into_iter().chain([("gain", options.gain)]) {
         if !(value >= 0.0 && value.is_finite()) {
             return Err(FilterError::Option { what, value });
+        }
+    }
+    for (parameter, range) in robot.free().into_iter().enumerate() {
+        if let FreeRange::Within(from, to) = range
+            && !range.is_sound()
+        {
+            return Err(FilterError::Range { parameter, from, to });
         }
     }
     let mut motion = Motion { free: Vec::new(), branches: Vec::new(), postures: Vec::new() };

@@ -95,7 +95,7 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         let mut chains: Vec<Range<usize>> = Vec::new();
         for number in 0..self.runs.len() {
             match chains.last_mut() {
-                Some(chain) if self.travels[number - 1].is_some() => chain.end = number + 1,
+                Some(chain) if self.travels.get(number - 1).is_some_and(Option::is_some) => chain.end = number + 1,
                 _ => chains.push(number..number + 1),
             }
         }
@@ -244,8 +244,10 @@ impl<const N: usize, const F: usize> PrintPlan<N, F> {
         let mut seconds: BTreeMap<u32, f64> = BTreeMap::new();
         for (number, run) in self.runs.iter().enumerate() {
             let (arrival, departure) = self.homes.get(number).map_or((None, None), |(a, d)| (a.as_ref(), d.as_ref()));
-            let to =
-                number.checked_sub(1).and_then(|before| self.travels[before].as_ref()).map_or(0.0, Travel::duration);
+            let to = number
+                .checked_sub(1)
+                .and_then(|before| self.travels.get(before)?.as_ref())
+                .map_or(0.0, Travel::duration);
             let home = [arrival.map(Arrival::duration), departure.map(Departure::duration)];
             *seconds.entry(run.layer).or_default() += run.duration() + to + home.into_iter().flatten().sum::<f64>();
         }

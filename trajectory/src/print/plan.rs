@@ -57,12 +57,14 @@ pub struct Run<const N: usize, const F: usize> {
 }
 
 impl<const N: usize, const F: usize> Run<N, F> {
-    /// How long it takes to each waypoint of the path from the one before: path, waypoint, seconds.
+    /// How long it takes to each waypoint of the path from the one before: path, waypoint, seconds. Knots
+    /// that the trajectory does not have are passed over.
     pub fn steps(&self) -> Vec<(usize, usize, f64)> {
-        let given = self.passes.iter().filter_map(|&(knot, waypoint)| Some((self.trajectory.times()[knot], waypoint?)));
+        let times = self.trajectory.times();
+        let given = self.passes.iter().filter_map(|&(knot, waypoint)| Some((*times.get(knot)?, waypoint?)));
         let given: Vec<(f64, usize)> = given.collect();
         let step = |pair: &[(f64, usize)]| (self.path, pair[1].1, pair[1].0 - pair[0].0);
-        given.windows(2).filter(|pair| pair[1].1 == pair[0].1 + 1).map(step).collect()
+        given.windows(2).filter(|pair| pair[0].1.checked_add(1) == Some(pair[1].1)).map(step).collect()
     }
 
     /// Seconds from rest to rest.
@@ -133,7 +135,7 @@ impl fmt::Display for Fault {
     /// Layers are counted from 1, as in reports.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Fault { layer, path, kind, waypoint, what } = self;
-        write!(f, "layer {}, path {path}, waypoint {waypoint}: {}", layer + 1, kind.name())?;
+        write!(f, "layer {}, path {path}, waypoint {waypoint}: {}", u64::from(*layer) + 1, kind.name())?;
         if what.is_empty() { Ok(()) } else { write!(f, ": {what}") }
     }
 }

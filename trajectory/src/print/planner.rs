@@ -8,7 +8,7 @@ use super::run_plan::Task;
 use super::ways::{Found, Ways};
 use super::workcell::{PrintRobot, PrintWorkcell};
 use crate::parallel;
-use crate::{Progress, ProgressFn};
+use crate::{FreeRange, Progress, ProgressFn};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -139,6 +139,10 @@ impl<'a, const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N
         options: &PrintOptions<N, F>,
     ) -> Result<Self, PrintError> {
         check(paths, limits, options)?;
+        if let Some(FreeRange::Within(value, _)) = robot.free().into_iter().find(|range| !range.is_sound()) {
+            let must = "the range of a free parameter must be finite and not end before it begins";
+            return Err(PrintError::Field { field: "free", value, must });
+        }
         let (limits, options) = (*limits, *options);
         let plan = PrintPlan::new();
         Ok(PrintPlanner {

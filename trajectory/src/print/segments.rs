@@ -72,7 +72,8 @@ impl<const N: usize, const F: usize> Segment<'_, N, F> {
         }
     }
 
-    /// Millimetres of filament that are laid by a time since it began; 0 for segments that do not print.
+    /// Millimetres of filament that are laid by a time since it began; 0 for segments that do not print. A list
+    /// [`Run::filament_mm`] that is too short ends with its last entry.
     pub fn filament_mm(&self, time: f64) -> f64 {
         let (SegmentKind::Print, Way::Spline(spline)) = (self.kind, &self.way) else { return 0.0 };
         let (times, filament) = (spline.times(), &self.run.filament_mm);
@@ -80,7 +81,10 @@ impl<const N: usize, const F: usize> Segment<'_, N, F> {
         let after = times.partition_point(|knot| *knot <= time).clamp(1, times.len() - 1);
         let [a, b] = [times[after - 1], times[after]];
         let share = ((time - a) / (b - a)).clamp(0.0, 1.0);
-        filament[after - 1] + (filament[after] - filament[after - 1]) * share
+        let (Some(before), Some(next)) = (filament.get(after - 1), filament.get(after)) else {
+            return filament.last().copied().unwrap_or(0.0);
+        };
+        before + (next - before) * share
     }
 
     /// Times since it began and joints; between them the C2 cubic spline at rest at both ends.
@@ -104,6 +108,9 @@ impl<const N: usize, const F: usize> Segment<'_, N, F> {
 
 impl<const N: usize, const F: usize> PrintPlan<N, F> {
     /// The motions of some runs, of the travels behind them, and of the ways from home and back. Those of no length are left out.
+    ///
+    /// # Panics
+    /// When it comes to a run that is not there.
     pub fn segments(&self, runs: Range<usize>) -> impl Iterator<Item = Segment<'_, N, F>> {
         runs.flat_map(move |number| {
             let run = &self.runs[number];

@@ -67,6 +67,11 @@ struct Effort {
     step: f64,
 }
 
+/// Layers are counted from 1 in words.
+fn shown(layer: u32) -> u64 {
+    u64::from(layer) + 1
+}
+
 /// A way from the end of one run to the start of the next, or why there is none.
 pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: PrintWorkcell<N>>(
     number: usize,
@@ -77,8 +82,13 @@ pub(super) fn travel<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
 ) -> Result<Travel<N>, String> {
     let (before, after) = (from.trajectory.joints(), to.trajectory.joints());
     let (start, goal) = (before[before.len() - 1], after[0]);
-    let name =
-        format!("from path {} of layer {} to path {} of layer {}", from.path, from.layer + 1, to.path, to.layer + 1);
+    let name = format!(
+        "from path {} of layer {} to path {} of layer {}",
+        from.path,
+        shown(from.layer),
+        to.path,
+        shown(to.layer)
+    );
     // The next path is not begun while the nozzle comes down.
     let moment = Moment::After { path: from.path };
     let mut why = String::new();
@@ -121,7 +131,7 @@ pub(super) fn arrive<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     task: &Task<'_, N, F, R>,
     workcell: &C,
 ) -> Result<Arrival<N>, String> {
-    let name = format!("from home to path {} of layer {}", run.path, run.layer + 1);
+    let name = format!("from home to path {} of layer {}", run.path, shown(run.layer));
     let start = run.trajectory.joints()[0];
     let (way, mut down) = homeward(&name, number, (home, true), (&run.ends[0], &start, moment), task, workcell)?;
     down.reverse();
@@ -136,7 +146,7 @@ pub(super) fn depart<const N: usize, const F: usize, R: PrintRobot<N, F>, C: Pri
     task: &Task<'_, N, F, R>,
     workcell: &C,
 ) -> Result<Departure<N>, String> {
-    let name = format!("from path {} of layer {} home", run.path, run.layer + 1);
+    let name = format!("from path {} of layer {} home", run.path, shown(run.layer));
     let joints = run.trajectory.joints();
     let (end, moment) = (joints[joints.len() - 1], Moment::After { path: run.path });
     let (way, up) = homeward(&name, number, (home, false), (&run.ends[1], &end, moment), task, workcell)?;

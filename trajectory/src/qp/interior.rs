@@ -48,6 +48,9 @@ pub(super) struct Interior<'a> {
     large_multipliers: bool,
 }
 
+/// So many iterations that bring the best iterate no further are enough: what is asked for is beyond rounding. Sound problems are solved in 30.
+const MAX_WITHOUT_GAIN: usize = 100;
+
 /// An iterate: the variables, the multipliers of the equations, the sides, and how far it is from a solution.
 struct Iterate {
     x: Vec<f64>,
@@ -83,13 +86,14 @@ impl<'a> Interior<'a> {
 
     pub fn solve(mut self, options: &QpOptions, start: Option<&[f64]>) -> QpSolution {
         let variables = self.qp.variables();
+        let tolerance = options.tolerance.max(f64::EPSILON);
         let mut x =
             start.filter(|start| start.len() == variables).map_or_else(|| vec![0.0; variables], <[f64]>::to_vec);
         let mut multipliers = vec![0.0; self.system.equations().len()];
         self.first_sides(&x);
         let mut best: Option<Iterate> = None;
         let mut iterations = 0;
-        let mut stuck = 0;
+        let (mut stuck, mut best_at) = (0, 0);
         let mut residuals = self.residuals(&x, &multipliers);
         let status = loop {
             let (products, count) = self.complementarity();
@@ -97,18 +101,19 @@ impl<'a> Interior<'a> {
             let scale_value = 1.0 + (0.5 * residuals.curved).abs() + linear.abs();
             let primal = residuals.worst_primal / residuals.scale_primal;
             let dual = residuals.worst_dual / residuals.scale_dual;
-            let worst = primal.max(dual).max(products / scale_value) / options.tolerance;
+            let worst = primal.max(dual).max(products / scale_value) / tolerance;
             if worst <= 1.0 {
                 break QpStatus::Solved;
             }
             if best.as_ref().is_none_or(|best| worst < best.worst) {
                 best =
                     Some(Iterate { x: x.clone(), multipliers: multipliers.clone(), sides: self.sides.clone(), worst });
+                best_at = iterations;
             }
             if let Some(proof) = self.proof(&x, &multipliers) {
                 break proof;
             }
-            let lost = stuck >= 5 || !(primal + dual).is_finite();
+            let lost = stuck >= 5 || !(primal + dual).is_finite() || iterations - best_at >= MAX_WITHOUT_GAIN;
             if lost || iterations >= options.iterations {
                 let mut end = if lost { QpStatus::Stalled } else { QpStatus::Iterations };
                 if let Some(best) = best {
@@ -120,7 +125,7 @@ impl<'a> Interior<'a> {
                 break end;
             }
             iterations += 1;
-            let (dx, dl) = self.steps(&residuals, (products, count), 0.1 * options.tolerance * scale_value);
+            let (dx, dl) = self.steps(&residuals, (products, count), 0.1 * tolerance * scale_value);
             let reach = self.reach();
             let step = if reach >= 1.0 / BOUNDARY_FRACTION { 1.0 } else { BOUNDARY_FRACTION * reach };
             stuck = if step < 1e-6 { stuck + 1 } else { 0 };

@@ -7,7 +7,7 @@ pub struct QpOptions {
     /// Most iterations. Default 60; a sound problem takes 8 to 30. One that comes to no end, and is not proved to be
     /// infeasible, gets as many again from a start for large multipliers.
     pub iterations: usize,
-    /// Residuals and gap relative to the numbers that they are differences of. Default 1e-9.
+    /// Residuals and gap relative to the numbers that they are differences of, above 0; less than 2e-16 counts as that. Default 1e-9.
     pub tolerance: f64,
 }
 

@@ -37,6 +37,9 @@ pub enum QpError {
         /// The row.
         row: usize,
     },
+    /// [`QpOptions::tolerance`](super::QpOptions::tolerance) is no share.
+    #[error("the tolerance must be finite and above 0")]
+    Tolerance,
     /// There are more variables than fit.
     #[error("{variables} variables: at most {MAX_VARIABLES} fit")]
     Size {

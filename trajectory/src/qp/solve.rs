@@ -16,11 +16,14 @@ impl BandedQp {
     /// # Returns
     /// The solution with its status: an infeasible or unbounded problem is a status, not an error.
     /// # Errors
-    /// [`QpError`] names what is invalid: too many variables, not finite, beyond the variables, too far apart, crossed bounds.
+    /// [`QpError`] names what is invalid: the tolerance, too many variables, not finite, beyond the variables, too far apart, crossed bounds.
     /// # Cost
     /// `O(stages * size^3)` time for the greatest size, equations of the stage included, and the same for each iteration over
     /// the stages alone that an inequality joins; memory `O(stages * size^2)`. Deterministic, one thread.
     pub fn solve(&self, options: &QpOptions, start: Option<&[f64]>) -> Result<QpSolution, QpError> {
+        if !(options.tolerance.is_finite() && options.tolerance > 0.0) {
+            return Err(QpError::Tolerance);
+        }
         let mut found = self.solve_once(options, start)?;
         let stuck = |found: &QpSolution| matches!(found.status, QpStatus::Stalled | QpStatus::Iterations);
         if stuck(&found) {

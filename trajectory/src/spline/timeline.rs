@@ -184,6 +184,9 @@ impl Timeline {
     }
 
     /// Time of the piece that ends at knot `k` (`0..=knots()`; the last ends at rest), in seconds.
+    ///
+    /// # Panics
+    /// If there is no such piece.
     pub fn step(&self, piece: usize) -> f64 {
         self.times[piece + 1] - self.times[piece]
     }
@@ -197,6 +200,9 @@ impl Timeline {
     /// assert_eq!(line.row(1).angles, [6.0, -12.0, 6.0]);
     /// # Ok::<(), curvlay_trajectory::TimelineError>(())
     /// ```
+    ///
+    /// # Panics
+    /// If there is no such knot: `k` must be below [`Timeline::knots`].
     pub fn row(&self, knot: usize) -> SplineRow {
         let (before, after) = (self.step(knot), self.step(knot + 1));
         let (first, last) = (knot == 0, knot + 1 == self.knots());

@@ -15,8 +15,13 @@ use std::f64::consts::{PI, TAU};
 /// The step of the angle in the dissertation.
 pub const DENSE_STEP: f64 = PI / 500.0;
 
+/// Most steps in a range: enough for a slide of six metres, and seconds of inverses for a waypoint.
+const MAX_STEPS: f64 = 1e6;
+
 /// The postures of a waypoint at all angles [`DENSE_STEP`] apart and on all branches, within the bounds, each joint that
 /// turns farther than once put as near to `near` as the bounds allow. Collisions are not checked.
+///
+/// A range of a free parameter that is longer than a million such steps is cut into a million; one that is not finite has no postures.
 ///
 /// # Example
 /// ```
@@ -41,8 +46,9 @@ pub fn dense_postures<const N: usize>(
     let [range] = robot.free();
     let (first, step, count) = match range {
         FreeRange::Turn => (0.0, DENSE_STEP, (TAU / DENSE_STEP).round() as usize),
+        FreeRange::Within(least, most) if !(most - least).is_finite() => return vec![],
         FreeRange::Within(least, most) => {
-            let steps = ((most - least) / DENSE_STEP).ceil().max(1.0);
+            let steps = ((most - least) / DENSE_STEP).ceil().clamp(1.0, MAX_STEPS);
             (least, (most - least) / steps, steps as usize + 1)
         }
     };

@@ -5,6 +5,7 @@ mod banded_qp;
 mod check_print;
 mod check_written;
 mod common;
+mod every_function;
 mod figures;
 mod global;
 mod global_avoid;

@@ -70,10 +70,10 @@ impl Drum {
         (distance, (up * above + out * aside) / distance)
     }
 
-    /// The nearest of its points.
+    /// The nearest of its points; any where a posture has made numbers of the cylinder that are not finite.
     fn onto(&self, point: &Point3<f64>) -> Point3<f64> {
         let (high, far, out) = self.split(point);
-        self.middle + self.axis * high.clamp(-self.half, self.half) + out * far.min(self.radius)
+        self.middle + self.axis * high.max(-self.half).min(self.half) + out * far.min(self.radius)
     }
 
     /// Of a slope at one of its points the part that holds the point there, when the whole cylinder moves: across its
