@@ -111,7 +111,7 @@ impl LoadField {
     /// The field that governs a growth ([`grow`](super::grow)): its sheets are a cell thick where the gradient is 1.
     pub fn sheets(&self) -> SheetField {
         let least = self.values.iter().copied().fold(f64::INFINITY, f64::min);
-        let sheet = |value: &f64| if value.is_nan() { 0 } else { (value - least) as u32 + 1 };
+        let sheet = |value: &f64| if value.is_nan() { 0 } else { ((value - least) as u32).saturating_add(1) };
         SheetField::new(self.values.iter().map(sheet).collect())
     }
 }

@@ -63,7 +63,7 @@ pub struct Plies {
 /// * `origin`: low corner of the grid in the frame of the strips, in millimetres.
 ///
 /// # Errors
-/// [`ElasticError::Strip`] names the strip.
+/// [`ElasticError::Strip`] and [`ElasticError::FineStrip`] name the strip.
 ///
 /// # Cost
 /// `O(n)` for `n` samples, 16 a square of tape as large as a cell's face.
@@ -96,6 +96,9 @@ pub fn plies(cells: &Cells, cell_mm: f64, origin: &Point3<f64>, strips: &[Strip]
         if !(is_whole && is_finite && is_size(strip.width_mm) && is_size(strip.thickness_mm)) {
             return Err(ElasticError::Strip { strip: number });
         }
+        if spread.samples(strip) > MAX_SAMPLES {
+            return Err(ElasticError::FineStrip { strip: number });
+        }
         tape_mm3 += spread.strip(strip, origin);
     }
     let cell_mm3 = cell_mm.powi(3);
@@ -108,6 +111,9 @@ pub fn plies(cells: &Cells, cell_mm: f64, origin: &Point3<f64>, strips: &[Strip]
     Ok(Plies { list: list.collect(), tape_mm3, lost_mm3 })
 }
 
+/// Most samples of a strip, 16 for each of ten million faces of cells: half a minute of them.
+const MAX_SAMPLES: f64 = 1.6e8;
+
 struct Spread<'a> {
     cells: &'a Cells<'a>,
     cell_mm: f64,
@@ -117,6 +123,13 @@ struct Spread<'a> {
 }
 
 impl Spread<'_> {
+    /// Samples of a strip.
+    fn samples(&self, strip: &Strip) -> f64 {
+        let step = self.cell_mm / SAMPLES_A_CELL;
+        let steps = strip.points.windows(2).map(|ends| ((ends[1] - ends[0]).norm() / step).ceil());
+        steps.sum::<f64>() * (strip.width_mm / step).ceil().max(1.0)
+    }
+
     /// Returns its volume.
     fn strip(&mut self, strip: &Strip, origin: &Point3<f64>) -> f64 {
         let Strip { points, normals, width_mm, thickness_mm } = *strip;

@@ -47,6 +47,12 @@ pub enum ElasticError {
         /// Which, from 0.
         strip: usize,
     },
+    /// A strip that is larger than any part of such cells.
+    #[error("strip {strip} is larger than ten million faces of cells: are both in one unit?")]
+    FineStrip {
+        /// Which, from 0.
+        strip: usize,
+    },
     /// The tolerance or the number of iterations is invalid.
     #[error(
         "a tolerance of {tolerance} within {max_iterations} iterations: it must lie above 0 and below 1, with one iteration at least"

@@ -105,9 +105,10 @@ impl Elastic {
     /// # Cost
     /// `O(n)` for `n` nodes.
     pub fn mean_displacement(&self, dims: [u32; 3], cell_mm: f64, region: &Region) -> Option<[f64; 3]> {
-        let [nx, ny] = [dims[0] + 1, dims[1] + 1];
+        let [nx, ny] = [dims[0], dims[1]].map(|cells| u64::from(cells) + 1);
         let is_in = |node: u32| {
-            let at = [node % nx, node / nx % ny, node / nx / ny].map(|k| f64::from(k) * cell_mm);
+            let node = u64::from(node);
+            let at = [node % nx, node / nx % ny, node / nx / ny].map(|k| k as f64 * cell_mm);
             (0..3).all(|k| (region.low_mm[k]..=region.high_mm[k]).contains(&at[k]))
         };
         let (mut sum, mut count) = ([0.0; 3], 0u32);

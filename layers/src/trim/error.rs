@@ -93,7 +93,7 @@ pub enum TrimError {
 /// As many triangles or vertices as there may be: their half-edges and cuts are numbered by 32 bits.
 pub(super) const MAX_ITEMS: usize = 1 << 28;
 
-pub(super) fn check(input: Input, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), TrimError> {
+pub(crate) fn check(input: Input, vertices: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), TrimError> {
     if vertices.len().max(triangles.len()) > MAX_ITEMS {
         return Err(TrimError::TooMany { input, most: MAX_ITEMS });
     }

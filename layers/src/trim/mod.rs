@@ -44,6 +44,7 @@ use crate::ProgressFn;
 use crate::parallel::in_parallel;
 pub use clip::Clipped;
 pub use crossings::{SurfaceCrossings, count_crossings};
+pub(crate) use error::check;
 pub use error::{Input, MAX_COORDINATE, TrimError};
 pub(crate) use inside::Inside;
 use nalgebra::{Point3, Vector3};

@@ -31,6 +31,9 @@ pub struct TrimmedSheet {
 
 impl TrimmedSheet {
     /// The area, mm2.
+    ///
+    /// # Panics
+    /// If a triangle has a vertex that is not there.
     pub fn area(&self) -> f64 {
         let corners = self.triangles.iter().map(|corners| corners.map(|corner| self.vertices[corner as usize]));
         corners.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
@@ -40,6 +43,9 @@ impl TrimmedSheet {
 impl TrimmedSheet {
     /// How much the sheet's own border turns inside the solid, in radians: the sum, over the vertices where two edges of it meet, of the
     /// angle between them. By [`border_mm`](Self::border_mm) it says whether the sheet ends along a smooth line or on a staircase.
+    ///
+    /// # Panics
+    /// If an edge of the boundary has a vertex that is not there.
     ///
     /// # Example
     /// ```

@@ -7,6 +7,7 @@ mod common;
 mod directions;
 mod distance;
 mod elastic;
+mod every_function;
 mod field_file;
 mod growth;
 mod growth_twins;

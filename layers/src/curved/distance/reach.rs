@@ -203,7 +203,11 @@ pub fn grow_by_heights(
     let lowest = cells.iter().map(|cell| heights[cell as usize]).fold(f64::INFINITY, f64::min);
     let values: Vec<f64> = heights.iter().map(|height| height - lowest + ON_BASE).collect();
     job.base.iter_mut().for_each(|(cell, value)| *value = values[*cell as usize]);
-    let grown = job.grown(in_cells(cells, lifted(cells, &job.base, &values)))?;
+    let values = lifted(cells, &job.base, &values);
+    if values.iter().any(|value| value.is_infinite()) {
+        return Err(GrowthError::Heights { len });
+    }
+    let grown = job.grown(in_cells(cells, values))?;
     Ok(job.order(grown, 0))
 }
 

@@ -1,7 +1,9 @@
 //! Directions that a part is to grow in: given at places, or as upright as its skin allows.
 
 use super::workpiece::Workpiece;
+use crate::cells::Cells;
 use crate::curved::distance::beside;
+use crate::trim::{Input, TrimError, check};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -47,7 +49,7 @@ pub struct CellDirections {
 }
 
 /// Why directions cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DirectionsError {
     /// A place or a direction is not finite, or the direction has no length.
@@ -67,6 +69,20 @@ pub enum DirectionsError {
     Overhang {
         /// The angle, in radians.
         angle: f64,
+    },
+    /// The mesh of the workpiece is no mesh.
+    #[error(transparent)]
+    Mesh(#[from] TrimError),
+    /// The cells of the workpiece are not those of its mesh.
+    #[error(
+        "cells of {cell_mm} mm for a mesh of {mesh_mm} mm: the size must be above 0, and the mesh at most {} cells long",
+        Cells::MAX_SIDE
+    )]
+    CellSize {
+        /// The edge of a cell.
+        cell_mm: f64,
+        /// The longest side of the box around the mesh.
+        mesh_mm: f64,
     },
 }
 
@@ -134,7 +150,7 @@ impl Workpiece<'_> {
     /// * `max_overhang`: in radians, above 0 and below a right angle. Beads hold on each other up to about 45 degrees.
     ///
     /// # Errors
-    /// [`DirectionsError::Overhang`].
+    /// [`DirectionsError::Overhang`]; [`DirectionsError::Mesh`] and [`DirectionsError::CellSize`] for a workpiece whose fields do not fit each other.
     ///
     /// # Cost
     /// Two places for each triangle or some four for each cell of the skin; 300 looks at each cell, some 1 s for 60,000, one thread.
@@ -144,6 +160,12 @@ impl Workpiece<'_> {
     pub fn upright_directions(&self, max_overhang: f64) -> Result<Vec<Vector3<f64>>, DirectionsError> {
         if !(f64::MIN_POSITIVE..FRAC_PI_2).contains(&max_overhang) {
             return Err(DirectionsError::Overhang { angle: max_overhang });
+        }
+        check(Input::Mesh, self.vertices, self.triangles)?;
+        let (cell_mm, mesh_mm) = (self.cell_mm, self.longest_side_mm());
+        let is_size = cell_mm > 0.0 && mesh_mm <= f64::from(Cells::MAX_SIDE) * cell_mm;
+        if !is_size {
+            return Err(DirectionsError::CellSize { cell_mm, mesh_mm });
         }
         let skin = self.hanging_skin(max_overhang);
         let mut directions = vec![Vector3::zeros(); self.cells.grid_len()];
@@ -177,6 +199,15 @@ impl Workpiece<'_> {
             }
         }
         Ok(directions)
+    }
+
+    /// The longest side of the box around the mesh; 0 without vertices.
+    fn longest_side_mm(&self) -> f64 {
+        let along = |axis: usize| {
+            let all = self.vertices.iter().map(|vertex| vertex[axis]);
+            all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
+        };
+        (0..3).map(along).fold(0.0, f64::max)
     }
 
     /// The normal of the skin that hangs over upright most in each cell, where that is by more than the angle.

@@ -63,7 +63,10 @@ impl ExtendedField {
     ) -> Result<FittedLevels, ContourError> {
         let levels = self.levels(cell_mm, height_mm)?;
         let mut top = 0.0_f64;
-        for corners in triangles {
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
+                return Err(ContourError::Corner { triangle, vertex, vertices: vertices.len() });
+            }
             let corners = corners.map(|corner| (vertices[corner as usize] - origin) / cell_mm);
             self.highest_on(corners, &mut top);
         }

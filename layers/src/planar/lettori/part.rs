@@ -2,7 +2,7 @@
 
 use super::layers::{Layered, Stand};
 use crate::planar::flat::{FlatLayers, of_sections};
-use crate::planar::{CutPlane, PlaneError, PlaneFrame, Region, Solid, slice};
+use crate::planar::{CutPlane, MAX_LENGTH_MM, PlaneError, PlaneFrame, Region, Solid, slice};
 use nalgebra::{Point3, Vector3};
 
 /// A flat layer of a part.
@@ -60,6 +60,10 @@ impl VolumePart {
     pub fn sliced(solid: Solid, direction: &Vector3<f64>, base_mm: f64, tops_mm: &[f64]) -> Result<Self, PlaneError> {
         let direction = CutPlane::through(&Point3::origin(), direction)?.normal();
         let base = CutPlane::through(&Point3::from(direction * base_mm), &direction)?;
+        let is_near = |height: &f64| height.abs() <= MAX_LENGTH_MM;
+        if let Some(&offset) = std::iter::once(&base_mm).chain(tops_mm).find(|height| !is_near(height)) {
+            return Err(PlaneError::Unusable { normal: direction.into(), offset });
+        }
         let frame = PlaneFrame::of(&base);
         let mut low_mm = base_mm;
         let layer = |&high_mm: &f64| {

@@ -8,14 +8,14 @@ use super::audited::AuditedPart;
 use super::contacts::contacts;
 use super::error::RoboFdmError;
 use super::head::Head;
-use crate::planar::{CutPlane, PlaneFrame, Region, Solid, slice};
+use crate::planar::{CutPlane, MAX_LAYERS, PlaneFrame, Region, Solid, slice};
 use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
 
 /// How parts are checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AuditOptions {
-    /// Height of a layer, in mm. Default 0.5.
+    /// Height of a layer, in mm; at most [`MAX_LAYERS`] of them make up a part. Default 0.5.
     pub layer: f64,
     /// The self-support angle, in radians from upright: a layer may lean out by its height times the tangent. Default 45 degrees.
     pub max_angle: f64,
@@ -124,6 +124,9 @@ pub fn audit_parts(
 ) -> Result<PartsAudit, RoboFdmError> {
     options.check()?;
     let Some(first) = parts.first() else { return Err(RoboFdmError::Empty) };
+    if parts.iter().any(|part| layer_count(part, options) > MAX_LAYERS as f64) {
+        return Err(RoboFdmError::Option { name: "layer", value: options.layer });
+    }
     let volume: f64 = parts.iter().map(|part| part.solid.volume()).sum();
     let down = |&p: &usize| parts[p].direction.dot(&first.direction) < -LEVEL;
     let (head_contacts, deepest_contact_mm) = options.head.map_or((Vec::new(), 0.0), |head| contacts(parts, &head));
@@ -199,10 +202,15 @@ fn misplaced(solid: &Solid, parts: &[AuditedPart], points: u32) -> usize {
     rows.flat_map(|(i, j)| (0..points).map(move |k| (i, j, k))).filter(|&(i, j, k)| is_wrong(place(i, j, k))).count()
 }
 
+fn layer_count(part: &AuditedPart, options: &AuditOptions) -> f64 {
+    let [low, high] = part.solid.extent(&part.direction);
+    ((high - low) / options.layer).ceil()
+}
+
 /// Of each layer of a part its area, and the area of what lies on nothing.
 fn layers(part: &AuditedPart, earlier: &[AuditedPart], options: &AuditOptions) -> Vec<[f64; 2]> {
-    let [low, high] = part.solid.extent(&part.direction);
-    let count = ((high - low) / options.layer).ceil();
+    let low = part.solid.extent(&part.direction)[0];
+    let count = layer_count(part, options);
     let Ok(lowest) = CutPlane::through(&Point3::from(part.direction * low), &part.direction) else { return Vec::new() };
     let frame = PlaneFrame::of(&lowest);
     let section =

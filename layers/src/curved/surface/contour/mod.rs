@@ -102,6 +102,16 @@ pub enum ContourError {
         /// How far the part grows.
         part_mm: f64,
     },
+    /// A triangle has a corner that is not there.
+    #[error("triangle {triangle} has vertex {vertex}, but there are {vertices}")]
+    Corner {
+        /// The triangle, counted from 0.
+        triangle: usize,
+        /// Its corner.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
     /// There are too many layers.
     #[error("{layers:e} layers of {height_mm} mm: {most} are allowed; take thicker layers")]
     TooMany {

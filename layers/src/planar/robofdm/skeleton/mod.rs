@@ -260,11 +260,17 @@ impl CurveSkeleton {
     }
 
     /// Curves between nodes of other degree than two; a closed ring counts as one. The `k` of the paper.
+    ///
+    /// # Panics
+    /// If an edge has a node that is not there.
     pub fn branch_count(&self) -> usize {
         self.branches().len()
     }
 
     /// The curves between nodes of other degree than two, node by node, then rings.
+    ///
+    /// # Panics
+    /// If an edge has a node that is not there.
     pub fn branches(&self) -> Vec<Vec<u32>> {
         let mut at = vec![Vec::new(); self.nodes.len()];
         for (e, edge) in self.edges.iter().enumerate() {
@@ -307,6 +313,9 @@ impl CurveSkeleton {
     }
 
     /// How far a point is from the nearest point of the skeleton, in mm.
+    ///
+    /// # Panics
+    /// If an edge has a node that is not there.
     pub fn distance(&self, p: Point3<f64>) -> f64 {
         self.branch_pieces().iter().map(|branch| distance(branch, p)).fold(f64::INFINITY, f64::min)
     }
