@@ -4,5 +4,6 @@
 mod every_function;
 mod hull2_oracle;
 mod hull3_oracle;
+mod plane;
 mod regressions;
 mod rows;
