@@ -160,21 +160,24 @@ impl RowIntervals {
     }
 
     fn update_from_flat(&mut self, hull: &ConvexHull) {
-        let xs = |sign: i32| hull.support([sign, 0, 0]).map_or(-i64::from(sign), |x| i64::from(sign) * x) as i32;
-        let (low, high) = (xs(-1), xs(1));
         let [ny, _] = self.lattice.count;
         self.ends.fill(NOTHING);
         if hull.depth() != Depth::SURFACE {
             return; // of a body without volume no point is deep below its surface
         }
-        // Rows beside the body are not searched.
-        let reach = |direction: [i32; 3]| hull.support(direction).unwrap_or(i64::MAX);
-        let extents = [[0, 1, 0], [0, 0, 1]].map(|up: [i32; 3]| -reach(up.map(|c| -c))..=reach(up));
+        let extent = |axis: usize| {
+            let up = [0, 1, 2].map(|k| i32::from(k == axis));
+            Some(-hull.support(up.map(|c| -c))?..=hull.support(up)?)
+        };
+        let (Some(xs), Some(ys), Some(zs)) = (extent(0), extent(1), extent(2)) else {
+            return; // no point at all
+        };
+        let (low, high) = (*xs.start() as i32, *xs.end() as i32);
         for (row, ends) in self.ends.iter_mut().enumerate() {
             let index = [row as u32 % ny, row as u32 / ny];
             let [y, z] = [0, 1].map(|k| self.lattice.origin[k] + self.lattice.step * index[k] as i32);
-            if !extents[0].contains(&y.into()) || !extents[1].contains(&z.into()) {
-                continue;
+            if !ys.contains(&y.into()) || !zs.contains(&z.into()) {
+                continue; // rows beside the body are not searched
             }
             let mut deep = (low..=high).filter(|&x| hull.is_deep([x, y, z]));
             let first = deep.next();
