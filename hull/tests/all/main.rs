@@ -5,5 +5,6 @@ mod every_function;
 mod hull2_oracle;
 mod hull3_oracle;
 mod plane;
+mod questions;
 mod regressions;
 mod rows;
