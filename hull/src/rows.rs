@@ -250,16 +250,18 @@ mod tests {
 
     const MAX_NORMAL: i64 = 1 << 34;
 
-    /// Two lines that are nearly parallel and cross near a row: there the crossing in floating point is off by rows.
-    fn crossing_lines() -> impl Strategy<Value = [Line; 2]> {
+    /// A line, and how another one differs from it: by little, so that the crossing in floating point is off.
+    fn lines() -> impl Strategy<Value = (Line, [i64; 3])> {
         let close = || prop_oneof![-3..=3i64, -100_000..=100_000i64];
-        (1..MAX_NORMAL, -MAX_NORMAL..MAX_NORMAL, -(1i64 << 51)..1 << 51, close(), close(), -5000..5000i64, close())
-            .prop_map(|(run, slope, constant, wider, steeper, at, higher)| {
-                let last = Line { run, slope, constant };
-                let (run, slope) = ((run + wider).max(1), slope + steeper);
-                let level = i128::from(constant - last.slope * at) * i128::from(run) / i128::from(last.run);
-                [last, Line { run, slope, constant: level as i64 + slope * at + higher }]
-            })
+        let line = (1..MAX_NORMAL, -MAX_NORMAL..MAX_NORMAL, -(1i64 << 51)..1 << 51);
+        (line.prop_map(|(run, slope, constant)| Line { run, slope, constant }), [close(), close(), close()])
+    }
+
+    /// The line that differs from `last` by so much, through about the same place at `y`.
+    fn crossing(last: &Line, [wider, steeper, higher]: [i64; 3], y: i64) -> Line {
+        let (run, slope) = ((last.run + wider).max(1), last.slope + steeper);
+        let level = i128::from(last.constant - last.slope * y) * i128::from(run) / i128::from(last.run);
+        Line { run, slope, constant: level as i64 + slope * y + higher }
     }
 
     proptest! {
@@ -267,9 +269,10 @@ mod tests {
 
         #[test]
         fn lines_take_over_at_the_first_row_where_they_lie_below(
-            lines in crossing_lines(), origin in -5000..5000, step in 1..70, rows in [0..50usize, 1..150usize],
+            (a, differs) in lines(), origin in -5000..5000, step in prop_oneof![1..4, 1..70], rows in [0..50usize, 1..150usize], at in 0..150usize,
         ) {
-            let [a, b] = lines;
+            let crossed = rows[0] + at % rows[1];
+            let b = crossing(&a, differs, i64::from(origin) + i64::from(step) * crossed as i64);
             let rises = |line: &Line, other: &Line| i128::from(line.slope) * i128::from(other.run);
             let (last, line) = if rises(&a, &b) <= rises(&b, &a) { (a, b) } else { (b, a) };
             let [since, end] = [rows[0], rows[0] + rows[1]];
