@@ -16,7 +16,7 @@ const COMPLETE_CELL: f64 = 800.0;
 const SURFACE_CELL: f64 = 3000.0;
 const FIELD_GRID_CELL: f64 = 30.0;
 const SURFACE_GRID_CELL: f64 = 40.0;
-const CURVE_POINT: f64 = 300.0;
+const CURVE_POINT: f64 = 500.0;
 const WAYPOINT: f64 = 1000.0;
 const MOTION_WAYPOINT: f64 = 6000.0;
 

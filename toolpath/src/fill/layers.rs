@@ -20,8 +20,7 @@ use nalgebra::Point3;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 
-/// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones. Points of a curve are left
-/// out where place and width are within an eightieth of a bead of the straight line between those that stay, unless curves would cross.
+/// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
 ///
 /// With sparse infill ([`PathOptions::infill`]) it is taken for a part of one layer: if there are skins all of it is one.
 ///
@@ -120,21 +119,13 @@ impl Filling<'_> {
     fn filled(&self, options: &PathOptions, uniform: bool) -> Result<FilledLayer, FillError> {
         announce(self.progress, "curves", 0)?;
         let report = in_stage(self.progress, "curves");
-        let mut part = if options.infill.is_solid() {
+        let part = if options.infill.is_solid() {
             Filled::solid(self.field.paths(options, &report)?)
         } else {
             filled_part(self.field, self.surface, options, self.site, &report)?
         };
         announce(self.progress, "curves", 1)?;
-        let whole = part.paths.clone();
-        let LayerPaths { paths, short, narrow, .. } = &mut part.paths;
-        paths.iter_mut().chain(short).chain(narrow).for_each(|p| p.simplify(TOLERANCE * options.bead, options.bead));
-        let mut statistics = self.judged(&part, options)?;
-        if statistics.self_crossings > 0 {
-            // Curves may come so near to each other that those with fewer points cross.
-            part.paths = whole;
-            statistics = self.judged(&part, options)?;
-        }
+        let statistics = self.judged(&part, options)?;
         announce(self.progress, "coverage", 1)?;
         let Filled { paths, sparse, solid, .. } = part;
         // Layers into which no curve may come back are not judged again.

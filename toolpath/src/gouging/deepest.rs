@@ -69,8 +69,7 @@ pub(crate) struct Worst {
     pub point: Point3<f64>,
     /// Clearance less what it must be: below 0.
     pub lack: f64,
-    /// Its triangle, the thickness of its layer, and which it is.
-    pub triangle: u32,
+    /// Thickness of its layer, and which it is.
     pub height: f64,
     pub obstacle: Obstacle,
 }
@@ -174,8 +173,7 @@ impl Seeker<'_> {
     }
 
     /// Looks for a worse point in a piece of a sheet of a triangle, `offset` from it along the normals; whether to stop.
-    fn piece(&mut self, base: [Corner; 3], of: (u32, &Triangle), offset: f64) -> bool {
-        let (number, triangle) = of;
+    fn piece(&mut self, base: [Corner; 3], triangle: &Triangle, offset: f64) -> bool {
         let corners = base.map(|(corner, normal)| corner + normal * offset);
         let needed = self.stand.clearance(triangle.height);
         let Seen { middle, z, rho, to_corners, in_plane } = self.seen(&corners);
@@ -196,7 +194,7 @@ impl Seeker<'_> {
         };
         if lack < self.bound && !has_skin {
             let (height, obstacle) = (triangle.height, Obstacle::of(triangle));
-            self.worst = Some(Worst { point: middle, lack, triangle: number, height, obstacle });
+            self.worst = Some(Worst { point: middle, lack, height, obstacle });
             // A point that is worse by less than this is not looked for: the walk ends sooner.
             self.bound = lack * (1.0 + self.rough);
             if self.any {
@@ -212,7 +210,7 @@ impl Seeker<'_> {
         let k = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
         let [from, to, tip] = [base[k], base[(k + 1) % 3], base[(k + 2) % 3]];
         let half = (nalgebra::center(&from.0, &to.0), (from.1 + to.1) / 2.0);
-        self.piece([from, half, tip], of, offset) || self.piece([half, to, tip], of, offset)
+        self.piece([from, half, tip], triangle, offset) || self.piece([half, to, tip], triangle, offset)
     }
 
     /// How much of a piece is nearer to the boundary of the layer than the skin that may be entered from the side.
@@ -261,7 +259,7 @@ impl Walk for Seeker<'_> {
         bound < self.bound
     }
 
-    fn see(&mut self, number: u32, triangle: &Triangle) -> bool {
+    fn see(&mut self, triangle: &Triangle) -> bool {
         let offset = self.stand.offset(triangle.height);
         // Sheets are no farther than that from the triangle.
         if self.least(&triangle.corners, &Sway::default()) - offset >= self.bound {
@@ -271,7 +269,7 @@ impl Walk for Seeker<'_> {
         let base = [0, 1, 2].map(|k| (triangle.corners[k], normals[k]));
         // The outer sheets first: where they are gouged the middle one is not asked.
         let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
-        sheets.iter().any(|side| self.piece(base, (number, triangle), side * offset))
+        sheets.iter().any(|side| self.piece(base, triangle, side * offset))
     }
 }
 
@@ -304,8 +302,7 @@ impl<'a> Scene<'a> {
         let mut seeker = self.seeker(stand, direction, 0.0, true);
         let triangles = self.stack.tree.triangles();
         let is_there = |t: &&u32| self.keys.of_triangle[**t as usize] < stand.before;
-        self.above_plate(stand, direction)
-            && !near.iter().filter(is_there).any(|&t| seeker.see(t, &triangles[t as usize]))
+        self.above_plate(stand, direction) && !near.iter().filter(is_there).any(|&t| seeker.see(&triangles[t as usize]))
     }
 
     /// Whether the nozzle keeps off the plate all along a straight way on which its direction turns evenly: nothing in between is lower, or

@@ -16,14 +16,14 @@
 //! Caps keep one of [`SLACKS`] layers more clearance than must be, so that each takes its neighbours' in and the rounds end. So
 //! "least" holds for a nozzle that is larger by the first, "no tilt" for one that is larger by the last.
 //!
-//! Nearly all the time goes into step 2. But a point that lacks clearance mostly lacks it with the other slack, from another wanted direction, where
-//! the tip is raised a little and at the next waypoint: so the last points of a path are kept ([`Points`]) and those that are there are asked first.
-//! That a place is closed is proven once with walks, and then by them alone.
+//! Nearly all the time goes into step 2. But a point that lacks clearance with one slack mostly lacks it with the other, from another wanted
+//! direction and where the tip is raised a little: so the points of a waypoint are kept ([`Points`]) and asked first. That a place is closed
+//! is proven once with walks, and then by them alone.
 
 use super::deepest::{Scene, Stand, Worst};
+use super::nozzle::Nozzle;
 use crate::orientation::angle;
 use nalgebra::{Unit, UnitVector3, Vector3};
-use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 /// Clearance beyond the needed one that caps keep, in layer heights. Less makes more rounds, more tilts farther; so the
@@ -121,49 +121,44 @@ impl Candidates {
     }
 }
 
-/// The last points that lacked clearance in searches for the waypoints of a path. They are there whatever the tip once their triangles are, as long
-/// as the same depth is allowed.
+/// Points that lacked clearance in searches for one waypoint or on one leg. They are there whatever the tip, as long as the same is
+/// built and as much is allowed.
 #[derive(Debug, Default)]
 pub(super) struct Points {
+    before: u32,
     allowed: f64,
-    points: VecDeque<Worst>,
+    points: Vec<Worst>,
 }
 
-/// So many are kept: more are mostly too far behind.
-const POINTS: usize = 32;
-
 impl Points {
+    /// Forgets all: what comes of a waypoint does not depend on the searches for others.
+    pub fn clear(&mut self) {
+        self.points.clear();
+    }
+
     /// Forgets what does not hold for a stand.
     fn begin(&mut self, stand: Stand) {
-        if self.allowed.total_cmp(&stand.allowed).is_ne() {
-            *self = Points { allowed: stand.allowed, points: VecDeque::new() };
+        if self.before != stand.before || self.allowed.total_cmp(&stand.allowed).is_ne() {
+            *self = Points { before: stand.before, allowed: stand.allowed, points: Vec::new() };
         }
     }
 
-    fn keep(&mut self, worst: Worst) {
-        if self.points.len() == POINTS {
-            self.points.pop_front();
-        }
-        self.points.push_back(worst);
-    }
-
-    /// Of those that are there the one that lacks most clearance.
-    fn worst(&self, scene: &Scene, stand: Stand, direction: &UnitVector3<f64>) -> Option<Worst> {
+    /// The one that lacks most clearance.
+    fn worst(&self, nozzle: &Nozzle, stand: Stand, direction: &UnitVector3<f64>) -> Option<Worst> {
         let lack = |worst: &Worst| {
             let to_point = worst.point - stand.tip;
             let z = to_point.dot(direction);
             let rho = (to_point - direction.into_inner() * z).norm();
-            scene.nozzle.clearance(z, rho) - stand.clearance(worst.height)
+            nozzle.clearance(z, rho) - stand.clearance(worst.height)
         };
-        let there = self.points.iter().filter(|worst| scene.keys.of_triangle[worst.triangle as usize] < stand.before);
-        let all = there.map(|worst| Worst { lack: lack(worst), ..*worst });
+        let all = self.points.iter().map(|worst| Worst { lack: lack(worst), ..*worst });
         all.min_by(|a, b| a.lack.total_cmp(&b.lack)).filter(|worst| worst.lack < 0.0)
     }
 }
 
 impl Scene<'_> {
-    /// The free direction nearest to `wanted`, if there is one within `limit`; `points` are those of earlier searches on the
-    /// same path, to which it adds.
+    /// The free direction nearest to `wanted`, if there is one within `limit`; `points` are those of earlier searches for the
+    /// same waypoint or leg, to which it adds.
     pub(super) fn least_tilt(
         &self,
         stand: Stand,
@@ -199,11 +194,11 @@ impl Scene<'_> {
         }
         for _ in 0..ROUNDS {
             let direction = candidates.best()?;
-            let worst = match points.worst(self, stand, &direction) {
+            let worst = match points.worst(self.nozzle, stand, &direction) {
                 Some(worst) => worst,
                 None => {
                     let Some(worst) = self.bad(stand, &direction, stack) else { return Some(direction) };
-                    points.keep(worst);
+                    points.points.push(worst);
                     worst
                 }
             };
@@ -212,51 +207,5 @@ impl Scene<'_> {
             candidates.take(cap(&worst)?);
         }
         None
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::gouging::{Nozzle, Obstacle};
-    use crate::layer::{BuiltLayer, LayerStack};
-    use nalgebra::Point3;
-
-    #[test]
-    fn points_count_once_their_triangles_are_there_and_only_for_the_depth_that_was_allowed() {
-        let level = |z: f64| [[0.0, 0.0, z], [9.0, 0.0, z], [0.0, 9.0, z]].map(Point3::from);
-        let vertices = [level(0.4), level(0.8)];
-        let layer =
-            |k: usize| BuiltLayer { vertices: &vertices[k], triangles: &[[0, 1, 2]], spacing: &[0.4], curves: &[] };
-        let layers = [0, 1].map(layer);
-        let stack = LayerStack::new(&layers).unwrap();
-        let nozzle = Nozzle::default();
-        let scene = Scene::new(&stack, &stack.keys, &nozzle, None);
-        let key = stack.keys.of_triangle[1];
-        let stand = |before: u32, allowed: f64| Stand { tip: Point3::new(1.0, 1.0, 0.5), before, allowed };
-        let mut points = Points::default();
-        points.begin(stand(key, 0.25));
-        // Above the tip, in the way of a nozzle that stands upright.
-        let worst = Worst {
-            point: Point3::new(1.0, 1.0, 0.9),
-            lack: -0.3,
-            triangle: 1,
-            height: 0.4,
-            obstacle: Obstacle::Layer(1),
-        };
-        points.keep(worst);
-        let found = |points: &Points, before: u32| {
-            points.worst(&scene, stand(before, 0.25), &Vector3::z_axis()).map(|worst| worst.lack)
-        };
-        assert_eq!(found(&points, key), None);
-        assert!(found(&points, key + 1).is_some_and(|lack| (lack + 0.4).abs() < 1e-12));
-        // More points than are kept push it out.
-        (0..POINTS).for_each(|_| points.keep(Worst { point: Point3::new(1.0, 1.0, 0.1), ..worst }));
-        assert_eq!(found(&points, key + 1), None);
-        points.keep(worst);
-        points.begin(stand(key + 1, 0.25));
-        assert!(found(&points, key + 1).is_some());
-        points.begin(stand(key + 1, 0.5));
-        assert_eq!(found(&points, key + 1), None);
     }
 }

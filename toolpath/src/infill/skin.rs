@@ -145,7 +145,7 @@ impl Walk for Column<'_> {
         bound.is_finite()
     }
 
-    fn see(&mut self, _: u32, triangle: &Triangle) -> bool {
+    fn see(&mut self, triangle: &Triangle) -> bool {
         let new = self.layers.binary_search(&triangle.layer).is_ok() && !self.crossed.contains(&triangle.layer);
         if new && meets(&triangle.corners, self.from, self.way).is_some() {
             self.crossed.push(triangle.layer);

@@ -75,7 +75,7 @@ impl Walk for Column {
         bound.is_finite()
     }
 
-    fn see(&mut self, _: u32, triangle: &Triangle) -> bool {
+    fn see(&mut self, triangle: &Triangle) -> bool {
         if let Some(share) = meets(&triangle.corners, self.from, self.way * self.share) {
             self.share *= share;
         }

@@ -235,7 +235,7 @@ impl Tree {
                 continue;
             }
             for triangle in node.range() {
-                if by.of_triangle[triangle] < before && state.see(triangle as u32, &self.triangles[triangle]) {
+                if by.of_triangle[triangle] < before && state.see(&self.triangles[triangle]) {
                     return;
                 }
             }
@@ -283,8 +283,8 @@ pub(crate) trait Walk {
     fn bound(&self, node: &Node) -> f64;
     /// Whether something worth that little still matters.
     fn matters(&self, bound: f64) -> bool;
-    /// Looks at a triangle, which has a number; whether to stop.
-    fn see(&mut self, number: u32, triangle: &Triangle) -> bool;
+    /// Looks at a triangle; whether to stop.
+    fn see(&mut self, triangle: &Triangle) -> bool;
 }
 
 impl Node {

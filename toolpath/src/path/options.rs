@@ -44,7 +44,7 @@ pub struct PathOptions {
     /// lies do in any case. For fitted beads alone: uniform ones lie in strips of half their width.
     pub min_width: f64,
     /// All layers together are refused before any work is done if their curves would have more points than this, by
-    /// [`estimate_fill`](crate::fill::estimate_fill): 2^26 by default, for which some 5 GB are enough.
+    /// [`estimate_fill`](crate::fill::estimate_fill): 2^25 by default, for which some 5 GB are enough.
     pub max_points: usize,
     /// What is solid and what is not: all is, by default. [`LevelField::paths`](crate::level_set::LevelField::paths) fills a surface solid in any case; the rest is for
     /// [`fill_layers`](crate::fill::fill_layers).
@@ -65,7 +65,7 @@ impl Default for PathOptions {
             join_distance: 2.0,
             min_length: 5.0,
             min_width: 0.5,
-            max_points: 1 << 26,
+            max_points: 1 << 25,
             infill: InfillOptions::default(),
             coverage: true,
         }

@@ -58,7 +58,7 @@ fn a_bead_that_takes_too_many_points_is_refused_before_any_work() {
     let options = PathOptions { bead: 0.001, ..PathOptions::default() };
     let error = fill_layers(&surfaces(&walls), &options, &count).unwrap_err();
     let FillLayersError::TooManyPoints { area_mm2, points, most, min_bead_mm, .. } = error else { panic!("{error}") };
-    assert_eq!((calls.load(Ordering::Relaxed), most), (0, 1 << 26));
+    assert_eq!((calls.load(Ordering::Relaxed), most), (0, 1 << 25));
     assert!((area_mm2 - 2700.0).abs() < 1e-9 && points > most as f64);
     assert!((estimate_fill(&surfaces(&walls), min_bead_mm).points / most as f64 - 1.0).abs() < 1e-9);
     // The limit is an option.

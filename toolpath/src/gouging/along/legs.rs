@@ -21,6 +21,7 @@ impl Walker<'_> {
                 let ends = [&last, &step].map(|step| step.waypoint.axis);
                 // What was found free stays free while neither end turns.
                 if step.looked != Some(ends) {
+                    self.points.clear();
                     self.gather(&last, &step, last.before);
                     let is_free = self.near.is_empty() && self.is_above_plate(&last, &step);
                     let put = !is_free && LOOKS.iter().any(|share| self.put_between(&last, &step, *share));

@@ -93,7 +93,7 @@ struct Walker<'a> {
     hints: &'a DirectionHints,
     steps: Vec<Step>,
     stack: Vec<(f64, u32)>,
-    /// What searches for a tilt found on this path.
+    /// What searches for a tilt of one waypoint found, or on one leg.
     points: Points,
     /// What step 7 has turned.
     turned: Turned,
@@ -282,6 +282,7 @@ impl Walker<'_> {
         // Earlier layers are finished before the first waypoint of this one.
         let earlier = Stand { before: after(layer), ..stand };
         let wanted = self.steps[waypoint].wanted;
+        self.points.clear();
         let own_layer = self.least_tilt_or_known(earlier, wanted).is_some();
         Some(Gouge { path: 0, waypoint, obstacle, depth, part, own_layer })
     }

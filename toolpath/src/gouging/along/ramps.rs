@@ -34,6 +34,7 @@ impl Walker<'_> {
         };
         // What is free but turns too far is no gain: the waypoint stays as it is.
         let within = |direction: &UnitVector3<f64>| angle(&from, direction) <= limit + TURN_ROUNDING;
+        self.points.clear();
         let free = if self.is_free(k, &nearer) { Some(nearer) } else { self.least_tilt(k, nearer, 2.0 * limit) };
         if let Some(direction) = free.filter(within) {
             self.turn_to(k, direction);

@@ -44,6 +44,7 @@ impl Walker<'_> {
 
     /// Tilts a waypoint that gouges.
     pub(super) fn tilt_at(&mut self, k: usize) {
+        self.points.clear();
         let direction = self.steps[k].waypoint.axis;
         let tilted = self.least_tilt_or_known(self.stand(k), direction);
         let step = &mut self.steps[k];
@@ -76,6 +77,7 @@ impl Walker<'_> {
 
     /// Raises the tip of a waypoint that no tilt frees, as little as frees it (to [`LIFT_STEP`]); whether the limit does.
     pub(super) fn raise(&mut self, k: usize) -> bool {
+        self.points.clear();
         let stuck = self.steps[k];
         let (mut low, mut high) = (0.0, self.options.max_lift);
         let Some(mut raised) = (high > 0.0).then(|| self.raised(&stuck, high)).flatten() else { return false };

@@ -135,6 +135,7 @@ impl Walker<'_> {
                     continue;
                 }
                 let wanted = self.steps[leader].waypoint.axis;
+                self.points.clear();
                 // Each in turn goes to the free direction nearest to the other's: the angle between them never grows.
                 if let Some(direction) = self.least_tilt(other, wanted, self.turn(k - 1, k)) {
                     self.turn_to(other, direction);
