@@ -216,7 +216,7 @@ impl Scene {
         self.draw_at(&[self.all()], width, height).remove(0)
     }
 
-    /// A picture of what was there at each mark, as [`Scene::draw`], each with everything in its place of the whole scene. Takes little longer than one.
+    /// A picture of what was there at each mark, as [`Scene::draw`], everything in its place of the whole scene. Each triangle is drawn once.
     pub fn draw_marked(&self, width: u32, height: u32) -> Vec<Image> {
         self.draw_at(&self.marks, width, height)
     }
