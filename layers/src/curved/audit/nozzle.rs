@@ -6,13 +6,13 @@
 
 use crate::curved::{NozzleCell, NozzleRule};
 use nalgebra::{Point3, Vector3};
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 /// Balls that come this near are not met: rounding, in millimetres.
 const TOUCHES: f64 = 1e-6;
 
-/// Centres that are held against the cylinder at once.
-const AT_ONCE: usize = 64;
+/// Edge of a block in cells. Blocks are held against the cylinder as balls; larger ones are seldom clear of it.
+const BLOCK: u32 = 6;
 
 /// The cells of an order that are judged by a nozzle in place of the hull rule.
 #[derive(Clone, Copy, Debug)]
@@ -44,30 +44,34 @@ pub(super) struct Obstructions {
     cell_mm: f64,
     /// Height of the plate in millimetres.
     plate_mm: f64,
-    cells: Vec<u32>,
-    /// Their centres in millimetres, along each axis.
-    centres: [Vec<f64>; 3],
+    blocks: Vec<Block>,
+    /// Where the block at a place is among them.
+    block_at: HashMap<[u32; 3], usize>,
     /// Cells of the last layers, first to last, which are not in the way yet.
     waiting: VecDeque<Vec<(u32, [u32; 3])>>,
     steps: u32,
-    /// A ball around each [`AT_ONCE`] of them, in the order in which they came: its middle and its radius in millimetres.
-    balls: Vec<(Point3<f64>, f64)>,
+}
+
+/// Cells that lie in a cube of [`BLOCK`] by [`BLOCK`] by [`BLOCK`].
+struct Block {
+    middle: Point3<f64>,
+    cells: Vec<u32>,
+    /// Their centres in millimetres, along each axis.
+    centres: [Vec<f64>; 3],
 }
 
 impl Obstructions {
     /// `top`: height of the plate in half cells.
     pub(super) fn new(judged: &JudgedByNozzle, top: i32) -> Self {
         let plate_mm = f64::from(top) / 2.0 * judged.cell_mm;
-        let centres = [Vec::new(), Vec::new(), Vec::new()];
         Obstructions {
             rule: judged.rule,
             cell_mm: judged.cell_mm,
             plate_mm,
-            cells: Vec::new(),
-            centres,
+            blocks: Vec::new(),
+            block_at: HashMap::new(),
             waiting: VecDeque::new(),
             steps: judged.steps,
-            balls: Vec::new(),
         }
     }
 
@@ -77,17 +81,15 @@ impl Obstructions {
 
     pub(super) fn add(&mut self, cell: u32, place: [u32; 3]) {
         let centre = self.centre(place);
-        self.cells.push(cell);
-        (0..3).for_each(|axis| self.centres[axis].push(centre[axis]));
-        if self.cells.len().is_multiple_of(AT_ONCE) {
-            let last = self.cells.len() - AT_ONCE;
-            let ends = [0, 1, 2].map(|axis| {
-                let of_axis = self.centres[axis][last..].iter().copied();
-                [of_axis.clone().fold(f64::INFINITY, f64::min), of_axis.fold(f64::NEG_INFINITY, f64::max)]
-            });
-            let [low, high] = [0, 1].map(|end| Point3::from(ends.map(|ends| ends[end])));
-            self.balls.push((nalgebra::center(&low, &high), (high - low).norm() / 2.0));
+        let at = *self.block_at.entry(place.map(|k| k / BLOCK)).or_insert(self.blocks.len());
+        if at == self.blocks.len() {
+            let middle = place.map(|k| f64::from(k / BLOCK * BLOCK) + f64::from(BLOCK) / 2.0);
+            let centres = [Vec::new(), Vec::new(), Vec::new()];
+            self.blocks.push(Block { middle: Point3::from(middle) * self.cell_mm, cells: Vec::new(), centres });
         }
+        let block = &mut self.blocks[at];
+        block.cells.push(cell);
+        (0..3).for_each(|axis| block.centres[axis].push(centre[axis]));
     }
 
     /// Ends a layer of the order: its cells come into the way, once enough others have followed.
@@ -98,12 +100,12 @@ impl Obstructions {
         }
     }
 
-    /// Whether all of the cells of a ball keep away from the cylinder around the block, widened by the margin.
-    fn is_clear_of(&self, ball: usize, tip: &Point3<f64>, direction: &Vector3<f64>) -> bool {
-        let Some(&(middle, radius)) = self.balls.get(ball) else { return false };
+    /// Whether all of the cells of a block keep away from the cylinder around the nozzle's block, widened by the margin.
+    fn is_clear_of(&self, block: &Block, tip: &Point3<f64>, direction: &Vector3<f64>) -> bool {
+        // As far as centres of cells are from the middle.
+        let radius = f64::from(BLOCK - 1) / 2.0 * 3f64.sqrt() * self.cell_mm;
         let margin = self.rule.margin * self.cell_mm;
-        // The last cells have no ball yet: `AT_ONCE` of them make one.
-        let to_middle = middle - tip;
+        let to_middle = block.middle - tip;
         let along = to_middle.dot(direction);
         let across = (to_middle.norm_squared() - along * along).max(0.0).sqrt();
         along + radius < -margin - TOUCHES || across - radius > self.rule.block_mm / 2.0 + margin + TOUCHES
@@ -127,12 +129,11 @@ impl Obstructions {
         }
         let margin = self.rule.margin * self.cell_mm;
         let reach = (self.rule.block_mm / 2.0 + margin).powi(2);
-        for start in (0..self.cells.len()).step_by(AT_ONCE) {
-            if self.is_clear_of(start / AT_ONCE, &tip, &direction) {
+        for block in &self.blocks {
+            if self.is_clear_of(block, &tip, &direction) {
                 continue;
             }
-            let end = (start + AT_ONCE).min(self.cells.len());
-            let [xs, ys, zs] = [0, 1, 2].map(|axis| &self.centres[axis][start..end]);
+            let [xs, ys, zs] = &block.centres;
             let place = |k: usize| {
                 let [x, y, z] = [xs[k] - tip.x, ys[k] - tip.y, zs[k] - tip.z];
                 let along = x * direction.x + y * direction.y + z * direction.z;
@@ -148,7 +149,7 @@ impl Obstructions {
                 is_near([along, across]) && self.distance(along, across.max(0.0).sqrt()) < margin - TOUCHES
             };
             if let Some(k) = (0..xs.len()).find(is_met) {
-                return Some(Meets::Cell(self.cells[start + k]));
+                return Some(Meets::Cell(block.cells[k]));
             }
         }
         None

@@ -19,6 +19,7 @@ use crate::curved::buildable::rules::Neighbours;
 use crate::parallel::in_parallel;
 use nalgebra::{Point3, UnitVector3};
 use std::collections::{BTreeSet, BinaryHeap};
+use std::ops::ControlFlow::{Break, Continue};
 
 /// Cells of a pit that vote for its direction: each vote costs a look at all directions.
 const VOTES: usize = 4;
@@ -85,9 +86,15 @@ pub(super) fn delay(
             let tip_at = centre(cells.position(pit[k])) + direction.into_inner() * TIP_ABOVE_CENTRE;
             let (value, radius) = (field.value(pit[k]).unwrap_or(0.0), tip + nozzle.margin);
             let reach = Reach { tip: tip_at, direction, value, radius, narrowing };
-            let floor = |other: u32| (other, reach.floor(cells.position(other)));
-            let hits = obstacles.hits(pit[k], &direction).map(floor);
-            hits.filter(|&(other, floor)| field.value(other).is_some_and(|value| value < floor)).collect::<Vec<_>>()
+            let mut raised = Vec::new();
+            obstacles.each_hit(pit[k], &direction, |other| {
+                let floor = reach.floor(cells.position(other));
+                if field.value(other).is_some_and(|value| value < floor) {
+                    raised.push((other, floor));
+                }
+                Continue(())
+            });
+            raised
         });
         raised.into_iter().flatten().for_each(|(cell, floor)| floors.raise(cell, floor));
     }
@@ -104,7 +111,13 @@ fn way_in(pit: &[u32], directions: &[UnitVector3<f64>], obstacles: &Obstacles) -
             continue;
         }
         // More than the fewest so far need not be counted.
-        let hits = voters.iter().flat_map(|&cell| obstacles.hits(cell, direction)).take(fewest).count();
+        let mut hits = 0;
+        for &cell in &voters {
+            obstacles.each_hit(cell, direction, |_| {
+                hits += 1;
+                if hits < fewest { Continue(()) } else { Break(()) }
+            });
+        }
         if hits < fewest {
             (best, fewest) = (Some(*direction), hits);
         }

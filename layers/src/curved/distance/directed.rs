@@ -92,8 +92,8 @@ pub(super) fn directed(
     for _ in 0..ROUNDS {
         directions = (0..solid.len()).map(|k| leaning(with_neighbours(&faces, &directions, k), max_tilt)).collect();
     }
-    let is_base: Vec<bool> = solid.iter().map(|cell| base.binary_search_by_key(cell, |base| base.0).is_ok()).collect();
-    let system = System { faces: &faces, is_known: &is_base };
+    let is_base = |cell: &u32| base.binary_search_by_key(cell, |base| base.0).is_ok();
+    let system = System::new(&faces, |k| is_base(&solid[k]));
     let fitted = system.solve(&system.right_side(&directions), distances_of);
     let mut values = vec![f64::NAN; distances.len()];
     solid.iter().zip(fitted).for_each(|(&cell, value)| values[cell as usize] = value);
@@ -146,56 +146,66 @@ fn with_neighbours(faces: &[[Option<u32>; 6]], directions: &[Vector3<f64>], cell
 }
 
 /// The normal equations: for each cell whose value is not known the sum, over its face neighbours, of its value less theirs.
-struct System<'a> {
-    faces: &'a [[Option<u32>; 6]],
-    is_known: &'a [bool],
+struct System {
+    /// Of each cell; itself where there is none, and in all six places of a cell whose value is known: what it adds to a sum is 0.
+    neighbours: Vec<[u32; 6]>,
 }
 
-impl System<'_> {
+impl System {
+    fn new(faces: &[[Option<u32>; 6]], is_known: impl Fn(usize) -> bool) -> Self {
+        let of_cell = |(cell, faces): (u32, &[Option<u32>; 6])| {
+            if is_known(cell as usize) { [cell; 6] } else { faces.map(|other| other.unwrap_or(cell)) }
+        };
+        System { neighbours: (0..).zip(faces).map(of_cell).collect() }
+    }
+
     /// What the directions want that sum to be.
     fn right_side(&self, directions: &[Vector3<f64>]) -> Vec<f64> {
-        let wanted = |cell: usize| {
-            let below = |face: usize, other: u32| {
+        let wanted = |(cell, others): (usize, &[u32; 6])| {
+            let below = |(face, &other): (usize, &u32)| {
                 let rise = (directions[cell][face / 2] + directions[other as usize][face / 2]) / 2.0;
                 if face % 2 == 1 { -rise } else { rise }
             };
-            (0..6).filter_map(|face| Some(below(face, self.faces[cell][face]?))).sum()
+            others.iter().enumerate().filter(|(_, other)| **other as usize != cell).map(below).sum()
         };
-        (0..self.faces.len()).map(|cell| if self.is_known[cell] { 0.0 } else { wanted(cell) }).collect()
+        self.neighbours.iter().enumerate().map(wanted).collect()
     }
 
-    /// The sums of some values; 0 where they are known.
-    fn applied(&self, values: &[f64]) -> Vec<f64> {
-        let sum = |cell: usize| -> f64 {
-            self.faces[cell].iter().flatten().map(|&other| values[cell] - values[other as usize]).sum()
-        };
-        (0..values.len()).map(|cell| if self.is_known[cell] { 0.0 } else { sum(cell) }).collect()
+    /// The sum of a cell; 0 where its value is known.
+    fn sum(&self, values: &[f64], cell: usize) -> f64 {
+        self.neighbours[cell].iter().map(|&other| values[cell] - values[other as usize]).sum()
     }
 
     /// The values with these sums, known ones kept, by conjugate gradients from `values` on.
     fn solve(&self, right_side: &[f64], mut values: Vec<f64>) -> Vec<f64> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let neighbours = |faces: &[Option<u32>; 6]| faces.iter().flatten().count().max(1) as f64;
-        let diagonal: Vec<f64> = self.faces.iter().map(neighbours).collect();
+        let neighbours = |cell: u32| self.neighbours[cell as usize].iter().filter(|&&other| other != cell).count();
+        let inverse: Vec<f64> = (0..values.len() as u32).map(|cell| 1.0 / neighbours(cell).max(1) as f64).collect();
         let mut left: Vec<f64> =
-            right_side.iter().zip(self.applied(&values)).map(|(wanted, sum)| wanted - sum).collect();
-        let mut weighted: Vec<f64> = left.iter().zip(&diagonal).map(|(left, by)| left / by).collect();
-        let mut way = weighted.clone();
-        let first = dot(&left, &weighted);
+            right_side.iter().enumerate().map(|(cell, wanted)| wanted - self.sum(&values, cell)).collect();
+        let mut way: Vec<f64> = left.iter().zip(&inverse).map(|(left, by)| left * by).collect();
+        let mut sums = vec![0.0; values.len()];
+        let first: f64 = left.iter().zip(&way).map(|(left, weighted)| left * weighted).sum();
         let mut size = first;
         for _ in 0..MAX_ITERATIONS {
             if size <= SOLVED * first {
                 break;
             }
-            let sums = self.applied(&way);
-            let step = size / dot(&way, &sums);
+            let mut bend = 0.0;
+            for (cell, sum) in sums.iter_mut().enumerate() {
+                *sum = self.sum(&way, cell);
+                bend += way[cell] * *sum;
+            }
+            let (step, before) = (size / bend, size);
+            size = 0.0;
             for cell in 0..values.len() {
                 values[cell] += step * way[cell];
                 left[cell] -= step * sums[cell];
-                weighted[cell] = left[cell] / diagonal[cell];
+                size += left[cell] * left[cell] * inverse[cell];
             }
-            let before = std::mem::replace(&mut size, dot(&left, &weighted));
-            way.iter_mut().zip(&weighted).for_each(|(way, weighted)| *way = weighted + size / before * *way);
+            let again = size / before;
+            for ((way, left), inverse) in way.iter_mut().zip(&left).zip(&inverse) {
+                *way = left * inverse + again * *way;
+            }
         }
         values
     }

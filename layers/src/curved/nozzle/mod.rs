@@ -16,6 +16,7 @@
 //! shape is kept free ([`Shape::clearance`](rule::Shape::clearance) is a lower bound), so what is accepted is sound.
 
 mod obstacles;
+mod octree;
 mod removal;
 mod rule;
 

@@ -1,16 +1,15 @@
-//! What a nozzle would hit: cells in bricks of 8 x 8 x 8, and for each direction the offsets near the tip.
+//! What a nozzle would hit: cells in an octree, and for each direction the offsets near the tip.
 //!
 //! A cell in the way is nearly always beside the tip, so these offsets are tried first, nearest first. Else the nozzle
-//! is held against the balls around the bricks, and against the cells of those that it comes near.
+//! is held against the nodes of the octree, and against the cells of the leaves that it comes near.
 
+use super::octree::Octree;
 use super::rule::{NozzleRule, ROUNDING, Shape};
 use crate::cells::CellSet;
 use nalgebra::{UnitVector3, Vector3};
+use std::ops::ControlFlow::{self, Break, Continue};
 
-/// Edge of a brick in cells: 512 bits, eight words.
-const BRICK: u32 = 8;
-
-/// Offsets up to so many cells along each axis are near. With more the lists get longer than a look at the bricks.
+/// Offsets up to so many cells along each axis are near. With more the lists get longer than a look at the octree.
 const NEAR: i32 = 4;
 
 /// The tip is so far above the centre of its cell along its direction, in cells: on top of the bead that fills the cell.
@@ -26,18 +25,8 @@ pub(crate) struct Obstacles {
     /// Lattice height of the plate, in cells.
     plate: f64,
     set: CellSet,
-    bricks: Vec<Brick>,
-    /// Where each brick of the grid is in `bricks`.
-    place_of: Vec<u32>,
-}
-
-/// Cells that lie close together.
-#[derive(Clone)]
-struct Brick {
-    low: [u32; 3],
-    bits: [u64; 8],
-    /// Its middle, in cells.
-    middle: Vector3<f64>,
+    /// The cells of `set`.
+    octree: Octree,
 }
 
 impl Obstacles {
@@ -56,17 +45,9 @@ impl Obstacles {
         let hit = |offset: &[i32; 3], direction| is_hit(&shape, direction, Vector3::from(offset.map(f64::from)));
         let near =
             directions.iter().map(|d| around.iter().copied().filter(|offset| hit(offset, d)).collect()).collect();
-        let [bx, by, bz] = set.dims().map(|side| side.div_ceil(BRICK));
-        let mut obstacles = Obstacles {
-            shape,
-            directions,
-            near,
-            plate,
-            set: set.clone(),
-            bricks: Vec::new(),
-            place_of: vec![u32::MAX; bx as usize * by as usize * bz as usize],
-        };
-        set.iter().for_each(|cell| obstacles.flip(cell));
+        let mut obstacles = Obstacles { shape, directions, near, plate, octree: Octree::none(set.dims()), set };
+        let cells: Vec<u32> = obstacles.set.iter().collect();
+        cells.into_iter().for_each(|cell| obstacles.flip(cell));
         obstacles
     }
 
@@ -75,22 +56,9 @@ impl Obstacles {
         [cell % nx, cell / nx % ny, cell / nx / ny]
     }
 
-    /// Puts the cell into its brick, or takes it out.
+    /// Puts the cell into the octree, or takes it out: `set` says whether it is there, and both change together.
     fn flip(&mut self, cell: u32) {
-        let position = self.position(cell);
-        let [bx, by, _] = self.set.dims().map(|side| side.div_ceil(BRICK));
-        let [x, y, z] = position.map(|k| k / BRICK);
-        let place = &mut self.place_of[(x + bx * (y + by * z)) as usize];
-        if *place == u32::MAX {
-            *place = self.bricks.len() as u32;
-            let low = [x, y, z].map(|k| k * BRICK);
-            let middle = Vector3::from(low.map(|k| f64::from(k) + f64::from(BRICK - 1) / 2.0));
-            self.bricks.push(Brick { low, bits: [0; 8], middle });
-        }
-        let brick = &mut self.bricks[*place as usize];
-        let [x, y, z] = [0, 1, 2].map(|axis| position[axis] - brick.low[axis]);
-        // `set` says whether the cell is there; both change together.
-        brick.bits[z as usize] ^= 1 << (x + BRICK * y);
+        self.octree.flip(self.position(cell));
     }
 
     pub(super) fn contains(&self, cell: u32) -> bool {
@@ -127,13 +95,13 @@ impl Obstacles {
 
     /// Whether the nozzle meets neither the plate nor a cell with its tip at this one, in a direction of the caller's.
     pub(crate) fn is_free(&self, cell: u32, direction: &UnitVector3<f64>) -> bool {
-        self.is_above_plate(cell, direction.z) && self.hit_in_bricks(cell, direction).is_none()
+        self.is_above_plate(cell, direction.z) && self.any_hit(cell, direction).is_none()
     }
 
     /// A cell that the nozzle would hit with its tip at this one.
     pub(crate) fn hit(&self, cell: u32, direction: usize) -> Option<u32> {
         let near = self.set.around(cell, &self.near[direction]).next();
-        near.or_else(|| self.hit_in_bricks(cell, &self.directions[direction]))
+        near.or_else(|| self.any_hit(cell, &self.directions[direction]))
     }
 
     /// Whether the nozzle stays above the plate with its tip at the cell, in a direction of the caller's.
@@ -141,30 +109,30 @@ impl Obstacles {
         self.is_above_plate(cell, direction.z)
     }
 
-    fn hit_in_bricks(&self, cell: u32, direction: &UnitVector3<f64>) -> Option<u32> {
-        self.hits(cell, direction).next()
+    fn any_hit(&self, cell: u32, direction: &UnitVector3<f64>) -> Option<u32> {
+        let mut hit = None;
+        self.each_hit(cell, direction, |other| {
+            hit = Some(other);
+            Break(())
+        });
+        hit
     }
 
-    /// The cells that the nozzle would hit with its tip at this one.
-    pub(crate) fn hits<'a>(&'a self, cell: u32, direction: &'a UnitVector3<f64>) -> impl Iterator<Item = u32> + 'a {
+    /// Visits the cells that the nozzle would hit with its tip at this one, until `visit` breaks.
+    pub(crate) fn each_hit(
+        &self,
+        cell: u32,
+        direction: &UnitVector3<f64>,
+        mut visit: impl FnMut(u32) -> ControlFlow<()>,
+    ) {
         let [nx, ny, _] = self.set.dims();
         let centre = Vector3::from(self.position(cell).map(f64::from));
-        // Half the diagonal between the centres of a brick's corner cells: no cell of it is farther from its middle.
-        let reach = f64::from(BRICK - 1) / 2.0 * 3f64.sqrt() + self.shape.margin;
-        let is_near = move |brick: &&Brick| clearance(&self.shape, direction, brick.middle - centre) <= reach;
-        let cells_of = move |brick: &'a Brick| {
-            let of_level = move |(z, &bits): (u32, &u64)| {
-                crate::cells::set_bits(bits)
-                    .map(move |bit| [brick.low[0] + bit % BRICK, brick.low[1] + bit / BRICK, brick.low[2] + z])
-            };
-            (0u32..).zip(&brick.bits).flat_map(of_level)
-        };
-        let hit = move |[x, y, z]: [u32; 3]| {
+        let clearance = |point: &Vector3<f64>| clearance(&self.shape, direction, point - centre);
+        self.octree.near(clearance, self.shape.margin, |[x, y, z]| {
             let other = x + nx * (y + ny * z);
             let offset = Vector3::from([x, y, z].map(f64::from)) - centre;
-            (other != cell && is_hit(&self.shape, direction, offset)).then_some(other)
-        };
-        self.bricks.iter().filter(is_near).flat_map(cells_of).filter_map(hit)
+            if other != cell && is_hit(&self.shape, direction, offset) { visit(other) } else { Continue(()) }
+        });
     }
 }
 
