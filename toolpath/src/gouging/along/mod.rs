@@ -23,6 +23,7 @@
 mod legs;
 mod ramps;
 mod single;
+mod swath;
 mod turned;
 mod turns;
 
@@ -34,6 +35,7 @@ use super::tilt::Points;
 use crate::layer::DirectionHints;
 use crate::orientation::{TURN_ROUNDING, ToolPath, Waypoint, angle};
 use nalgebra::{UnitVector3, Vector3};
+use swath::Swath;
 use turned::Turned;
 
 /// How often points are put between: each time as many as an even turn needs, so more than once only where the new ones
@@ -97,8 +99,9 @@ struct Walker<'a> {
     points: Points,
     /// What step 7 has turned.
     turned: Turned,
-    /// What is near a way.
+    /// What is near a way, and near those around it.
     near: Vec<u32>,
+    swath: Swath,
 }
 
 /// Tilts the waypoints of a path that gouge, each by itself.
@@ -110,7 +113,7 @@ pub(super) fn tilted<'a>(
     hints: &'a DirectionHints,
 ) -> Tilted<'a> {
     let mut walker = Walker::new(scene, path, start, options, hints);
-    walker.tilt();
+    walker.tilt(usize::MAX);
     Tilted(walker)
 }
 
@@ -136,9 +139,7 @@ impl<'a> Tilted<'a> {
                 return None;
             }
         }
-        walker.tilt();
-        let reversed = Tilted(walker);
-        (reversed.left() < most).then_some(reversed)
+        walker.tilt(most).then_some(Tilted(walker))
     }
 
     /// Sets the path free; `layer` is the number of the first waypoint of its layer.
@@ -224,6 +225,7 @@ impl<'a> Walker<'a> {
             stack: Vec::new(),
             points: Points::default(),
             near: Vec::new(),
+            swath: Swath::default(),
         }
     }
 }

@@ -14,9 +14,14 @@ const DEEPER_STEP: f64 = 0.05;
 const LIFT_STEP: f64 = 0.025;
 
 impl Walker<'_> {
-    /// Step 1. The way to a waypoint and both its ends share one look, and a way that is free is not looked at again in step 6.
-    pub(super) fn tilt(&mut self) {
+    /// Step 1, unless it leaves `most` waypoints or more: then it ends, and says no. The way to a waypoint and both its ends share one look, and a way that is
+    /// free is not looked at again in step 6.
+    pub(super) fn tilt(&mut self, most: usize) -> bool {
+        let mut left = self.steps.iter().filter(|step| step.is_left()).count();
         for k in 0..self.steps.len() {
+            if left >= most {
+                return false;
+            }
             if self.steps[k].gouged {
                 continue;
             }
@@ -27,6 +32,7 @@ impl Walker<'_> {
             // What is near the way is gathered once for its end and for what lies between.
             let is_free = if shares {
                 let [last, step] = [k - 1, k].map(|k| self.steps[k]);
+                self.swath.look(self.scene, &self.steps[k - 1..], self.options.allowed_depth);
                 self.gather(&last, &step, step.before);
                 let is_free = self.scene.is_free_of(&self.near, self.stand(k), &direction);
                 if is_free && self.is_free_between(&last, &step) {
@@ -38,8 +44,10 @@ impl Walker<'_> {
             };
             if !is_free {
                 self.tilt_at(k);
+                left += usize::from(self.steps[k].is_left());
             }
         }
+        left < most
     }
 
     /// Tilts a waypoint that gouges.
