@@ -41,7 +41,8 @@ pub(super) fn mark_support(
 fn of_support<'a>(layer: &Option<FilledLayer>, surface: &LayerSurface<'a>) -> BuiltLayer<'a> {
     let LayerSurface { vertices, triangles, thickness, .. } = *surface;
     let from = layer.as_ref().and_then(|layer| layer.support.as_ref()).map(|support| support.triangles);
-    let from = from.unwrap_or(triangles.len());
+    // The layer may have been made of another surface.
+    let from = from.unwrap_or(triangles.len()).min(triangles.len()).min(thickness.len());
     BuiltLayer { vertices, triangles: &triangles[from..], spacing: &thickness[from..], curves: &[] }
 }
 

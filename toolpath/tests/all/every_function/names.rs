@@ -1,0 +1,95 @@
+//! Which functions a user can reach, read from the sources.
+//!
+//! Names that can be reached are what `lib.rs` and its public modules re-export (`pub use`) or define. A public function counts if its own
+//! name is one of them, and one of an `impl` block if the name of the type is, unless the file has a type of that name for itself
+//! (`pub(super)`, `pub(crate)`). Left out by this: what stands in private modules and is not re-exported, functions of traits, which the user
+//! writes or which are called by what takes the trait, and those behind macros.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The file without comments and unit tests.
+fn code_of(file: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let code = text.split("\n#[cfg(test)]\nmod ").next().unwrap().lines();
+    code.filter(|line| !line.trim_start().starts_with("//")).map(String::from).collect()
+}
+
+fn word(text: &str) -> &str {
+    text.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap()
+}
+
+/// The word behind one of some beginnings.
+fn after<'a>(line: &'a str, beginnings: &[&str]) -> Option<&'a str> {
+    beginnings.iter().find_map(|beginning| line.strip_prefix(beginning)).map(word)
+}
+
+const DEFINITIONS: [&str; 6] = ["pub fn ", "pub const fn ", "pub struct ", "pub enum ", "pub trait ", "pub type "];
+
+/// Adds the names that a public module and the public ones within it show.
+fn exported(file: &Path, folder: &Path, names: &mut BTreeSet<String>) {
+    let code = code_of(file);
+    names.extend(code.iter().filter_map(|line| after(line, &DEFINITIONS)).map(String::from));
+    for used in code.join("\n").split("\npub use ").skip(1) {
+        let used = used.split(';').next().unwrap();
+        assert!(!used.contains('*'), "{}: `pub use` of all names: write them out", file.display());
+        names.extend(used.split([',', '{', '}']).map(|name| name.trim().rsplit("::").next().unwrap().to_string()));
+    }
+    for module in code.iter().filter_map(|line| after(line, &["pub mod "])) {
+        let inside = folder.join(module);
+        let [alone, with_others] = [folder.join(format!("{module}.rs")), inside.join("mod.rs")];
+        exported(if alone.exists() { &alone } else { &with_others }, &inside, names);
+    }
+}
+
+/// The type whose `impl` block begins in a line; empty for a trait's.
+fn owner(line: &str) -> Option<&str> {
+    let mut rest = line.strip_prefix("impl")?;
+    if rest.starts_with('<') {
+        let mut depth = 0;
+        let end = rest.char_indices().find(|&(at, c)| {
+            depth += i32::from(c == '<') - i32::from(c == '>' && !rest[..at].ends_with('-'));
+            depth == 0
+        });
+        rest = &rest[end.map_or(0, |(at, _)| at + 1)..];
+    }
+    Some(if rest.contains(" for ") { "" } else { word(rest.trim_start()) })
+}
+
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { files(&path, found) } else { found.push(path) }
+    }
+}
+
+/// Each function that a user can reach, as `file name` or `file Type::name`.
+pub fn reachable(root: &Path) -> BTreeSet<String> {
+    let (mut names, mut all, mut found) = (BTreeSet::new(), Vec::new(), BTreeSet::new());
+    exported(&root.join("lib.rs"), root, &mut names);
+    files(root, &mut all);
+    for path in all {
+        let code = code_of(&path);
+        let hidden: BTreeSet<&str> = code.iter().filter_map(|line| hidden(line)).collect();
+        let file = path.strip_prefix(root).unwrap().display().to_string().replace('\\', "/");
+        let mut of = "";
+        for line in &code {
+            of = owner(line).unwrap_or(of);
+            let Some(name) = after(line.trim_start(), &["pub fn ", "pub const fn "]) else { continue };
+            if line.starts_with("pub") {
+                if names.contains(name) {
+                    found.insert(format!("{file} {name}"));
+                }
+            } else if names.contains(of) && !hidden.contains(of) {
+                found.insert(format!("{file} {of}::{name}"));
+            }
+        }
+    }
+    found
+}
+
+/// A type for the file or the crate itself that a line defines.
+fn hidden(line: &str) -> Option<&str> {
+    let rest = ["pub(super) ", "pub(crate) ", ""].iter().find_map(|seen| line.strip_prefix(seen))?;
+    after(rest, &["struct ", "enum "])
+}
