@@ -80,12 +80,10 @@ impl Depth {
             let scaled = margin as u128 * u128::from(Self::STEPS);
             if self.beyond { scaled * scaled > target } else { scaled * scaled >= target }
         };
+        // Below 2^41 the floating-point product is off by far less than 1, so its floor is never above the answer.
         let mut margin = (self.units() * (squared as f64).sqrt()) as i64;
         while !reaches(margin) {
             margin += 1;
-        }
-        while margin > 0 && reaches(margin - 1) {
-            margin -= 1;
         }
         margin
     }

@@ -48,7 +48,7 @@ const NOTHING: [i32; 2] = [0, -1];
 const BEYOND: i64 = 1 << 20;
 
 /// A plane as it bounds the rows of one direction of x: `x <= (constant - slope y) / run`, with `run > 0`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Line {
     run: i64,
     slope: i64,
@@ -160,21 +160,24 @@ impl RowIntervals {
     }
 
     fn update_from_flat(&mut self, hull: &ConvexHull) {
-        let xs = |sign: i32| hull.support([sign, 0, 0]).map_or(-i64::from(sign), |x| i64::from(sign) * x) as i32;
-        let (low, high) = (xs(-1), xs(1));
         let [ny, _] = self.lattice.count;
         self.ends.fill(NOTHING);
         if hull.depth() != Depth::SURFACE {
             return; // of a body without volume no point is deep below its surface
         }
-        // Rows beside the body are not searched.
-        let reach = |direction: [i32; 3]| hull.support(direction).unwrap_or(i64::MAX);
-        let extents = [[0, 1, 0], [0, 0, 1]].map(|up: [i32; 3]| -reach(up.map(|c| -c))..=reach(up));
+        let extent = |axis: usize| {
+            let up = [0, 1, 2].map(|k| i32::from(k == axis));
+            Some(-hull.support(up.map(|c| -c))?..=hull.support(up)?)
+        };
+        let (Some(xs), Some(ys), Some(zs)) = (extent(0), extent(1), extent(2)) else {
+            return; // no point at all
+        };
+        let (low, high) = (*xs.start() as i32, *xs.end() as i32);
         for (row, ends) in self.ends.iter_mut().enumerate() {
             let index = [row as u32 % ny, row as u32 / ny];
             let [y, z] = [0, 1].map(|k| self.lattice.origin[k] + self.lattice.step * index[k] as i32);
-            if !extents[0].contains(&y.into()) || !extents[1].contains(&z.into()) {
-                continue;
+            if !ys.contains(&y.into()) || !zs.contains(&z.into()) {
+                continue; // rows beside the body are not searched
             }
             let mut deep = (low..=high).filter(|&x| hull.is_deep([x, y, z]));
             let first = deep.next();
@@ -238,4 +241,48 @@ fn takes_over(line: &Line, last: &Line, lattice: RowLattice, since: usize, end: 
         row -= 1;
     }
     row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const MAX_NORMAL: i64 = 1 << 34;
+
+    /// A line, and how another one differs from it: by little, so that the crossing in floating point is off.
+    fn lines() -> impl Strategy<Value = (Line, [i64; 3])> {
+        let close = || prop_oneof![-3..=3i64, -100_000..=100_000i64];
+        let line = (1..MAX_NORMAL, -MAX_NORMAL..MAX_NORMAL, -(1i64 << 51)..1 << 51);
+        (line.prop_map(|(run, slope, constant)| Line { run, slope, constant }), [close(), close(), close()])
+    }
+
+    /// The line that differs from `last` by so much, through about the same place at `y`.
+    fn crossing(last: &Line, [wider, steeper, higher]: [i64; 3], y: i64) -> Line {
+        let (run, slope) = ((last.run + wider).max(1), last.slope + steeper);
+        let level = i128::from(last.constant - last.slope * y) * i128::from(run) / i128::from(last.run);
+        Line { run, slope, constant: level as i64 + slope * y + higher }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn lines_take_over_at_the_first_row_where_they_lie_below(
+            (a, differs) in lines(), origin in -5000..5000, step in prop_oneof![1..4, 1..70], rows in [0..50usize, 1..150usize], at in 0..150usize,
+        ) {
+            let crossed = rows[0] + at % rows[1];
+            let b = crossing(&a, differs, i64::from(origin) + i64::from(step) * crossed as i64);
+            let rises = |line: &Line, other: &Line| i128::from(line.slope) * i128::from(other.run);
+            let (last, line) = if rises(&a, &b) <= rises(&b, &a) { (a, b) } else { (b, a) };
+            let [since, end] = [rows[0], rows[0] + rows[1]];
+            let lattice = RowLattice { origin: [origin, 0], step, count: [end as u32, 1] };
+            let value = |line: &Line, row: usize| {
+                i128::from(line.constant) - i128::from(line.slope) * (i128::from(origin) + i128::from(step) * row as i128)
+            };
+            let below = |row: &usize| value(&line, *row) * i128::from(last.run) < value(&last, *row) * i128::from(line.run);
+            let expected = (since..end).find(below).unwrap_or(end);
+            prop_assert_eq!(takes_over(&line, &last, lattice, since, end), expected);
+        }
+    }
 }

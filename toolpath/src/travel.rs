@@ -204,7 +204,7 @@ impl LayerStack<'_> {
     /// Boxes around the mould and the layers up to each one, by their lower and upper corner; thickness included.
     pub(crate) fn boxes(&self) -> Vec<[Point3<f64>; 2]> {
         let nothing = [f64::INFINITY, f64::NEG_INFINITY].map(|far| Point3::from([far; 3]));
-        let [mut low, mut high] = self.mould.unwrap_or(nothing);
+        let [mut low, mut high] = self.mould.as_ref().map_or(nothing, |mould| mould.bounds);
         let grown = |layer: &Built| {
             let half = layer.spacing.iter().copied().fold(0.0, f64::max) / 2.0;
             for p in layer.triangles.iter().flatten().map(|&v| layer.vertices[v as usize]) {

@@ -12,7 +12,6 @@ use curvlay_layers::trim::TrimmedSheet;
 use curvlay_toolpath::geodesic::SurfaceDistance;
 use curvlay_toolpath::mesh::SurfaceMesh;
 use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// Pictures of the part while it is built, for where the viewer does not run.
@@ -47,16 +46,28 @@ fn from_the_front() -> Camera {
 /// The part when a fifth, two fifths, ... of its surfaces are there.
 pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
     let layers = run.sheets.len();
-    (1..=FRAMES)
-        .into_par_iter()
-        .map(|frame| (layers * frame).div_ceil(FRAMES))
-        .map(|until| (format!("{until} of {}", counted(layers, "layer")), draw(field, run, 0..until)))
-        .collect()
+    let until: Vec<usize> = (1..=FRAMES).map(|frame| (layers * frame).div_ceil(FRAMES)).collect();
+    let mut scene = stage(field);
+    let mut from = 0;
+    for &until in &until {
+        (from..until).for_each(|at| add(&mut scene, run, at));
+        scene.mark();
+        from = until;
+    }
+    let [width, height] = FRAME;
+    let captions = until.iter().map(|until| format!("{until} of {}", counted(layers, "layer")));
+    captions.zip(scene.draw_marked(width, height).iter().map(Image::to_png)).collect()
 }
 
 /// Three single surfaces.
 pub fn singles(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
-    quarters(run).map(|at| (format!("layer {}", at + 1), draw(field, run, at..at + 1))).to_vec()
+    let [width, height] = FRAME;
+    let single = |at: usize| {
+        let mut scene = stage(field);
+        add(&mut scene, run, at);
+        (format!("layer {}", at + 1), scene.draw(width, height).to_png())
+    };
+    quarters(run).map(single).to_vec()
 }
 
 /// The surfaces that are a quarter, half and three quarters up.
@@ -65,9 +76,9 @@ pub fn quarters(run: &SurfacesRun) -> [usize; 3] {
     [1, 2, 3].map(|quarter| (layers * quarter / 4).min(layers.saturating_sub(1)))
 }
 
-fn draw(field: &FieldRun, run: &SurfacesRun, which: std::ops::Range<usize>) -> Vec<u8> {
+/// The platform, which keeps the part in its place from picture to picture, and the mould.
+fn stage(field: &FieldRun) -> Scene {
     let mut scene = Scene::new(from_the_front());
-    // The platform keeps the part in its place from picture to picture.
     let grid = &field.solid.grid;
     let corner = |c: [i32; 2]| [0, 1].map(|axis| grid.origin()[axis] + f64::from(c[axis]) / 2.0 * grid.cell_mm());
     let corners: Vec<[f64; 2]> = field.platform.corners().iter().map(|&c| corner(c)).collect();
@@ -75,18 +86,18 @@ fn draw(field: &FieldRun, run: &SurfacesRun, which: std::ops::Range<usize>) -> V
     if let Some(mould) = &field.mould {
         scene.mesh(&mould.vertices, &mould.triangles, PLAIN);
     }
-    let layers = run.sheets.len() as u32;
-    for at in which {
-        let Some(sheet) = run.sheets.get(at) else { continue };
-        let corners = sheet.triangles.iter().map(|corners| corners.map(|corner| sheet.vertices[corner as usize]));
-        let colour = layer_colour(at as u32 + 1, layers);
-        scene.triangles(corners.map(|corners| (corners, colour)));
-        if let Some(sheet) = run.support.as_ref().and_then(|support| support.surfaces.sheets.get(at)) {
-            scene.mesh(&sheet.vertices, &sheet.triangles, SUPPORT);
-        }
+    scene
+}
+
+/// Adds a surface, and the support beside it.
+fn add(scene: &mut Scene, run: &SurfacesRun, at: usize) {
+    let Some(sheet) = run.sheets.get(at) else { return };
+    let corners = sheet.triangles.iter().map(|corners| corners.map(|corner| sheet.vertices[corner as usize]));
+    let colour = layer_colour(at as u32 + 1, run.sheets.len() as u32);
+    scene.triangles(corners.map(|corners| (corners, colour)));
+    if let Some(sheet) = run.support.as_ref().and_then(|support| support.surfaces.sheets.get(at)) {
+        scene.mesh(&sheet.vertices, &sheet.triangles, SUPPORT);
     }
-    let [width, height] = FRAME;
-    scene.draw(width, height).to_png()
 }
 
 /// The curves of one surface, seen along its mean normal.

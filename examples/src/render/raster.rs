@@ -7,6 +7,7 @@ use super::image::Image;
 const SAMPLES: usize = 2;
 
 /// A light and its distance, pixel by pixel. Depth grows towards the viewer.
+#[derive(Clone)]
 pub(super) struct Canvas {
     width: usize,
     height: usize,

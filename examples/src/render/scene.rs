@@ -59,6 +59,14 @@ pub struct Scene {
     shading: Vec<([f32; 3], f32)>,
     platform: Option<(Vec<[f64; 2]>, f64)>,
     labels: Vec<(Point3<f64>, String)>,
+    marks: Vec<Mark>,
+}
+
+/// How much of a scene was there at some time.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    facets: usize,
+    shading: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +88,7 @@ const OUTLINE: f64 = 0.03;
 impl Scene {
     /// An empty scene.
     pub fn new(camera: Camera) -> Self {
-        Scene { camera, facets: Vec::new(), shading: Vec::new(), platform: None, labels: Vec::new() }
+        Scene { camera, facets: Vec::new(), shading: Vec::new(), platform: None, labels: Vec::new(), marks: Vec::new() }
     }
 
     /// The camera.
@@ -193,37 +201,60 @@ impl Scene {
         }
     }
 
+    /// Marks what is there by now for [`Scene::draw_marked`].
+    pub fn mark(&mut self) -> &mut Self {
+        self.marks.push(self.all());
+        self
+    }
+
+    fn all(&self) -> Mark {
+        Mark { facets: self.facets.len(), shading: self.shading.len() }
+    }
+
     /// The picture, on white, the scene as large as fits; each side between 1 and [`Image::MAX_SIDE`] pixels.
     pub fn draw(&self, width: u32, height: u32) -> Image {
+        self.draw_at(&[self.all()], width, height).remove(0)
+    }
+
+    /// A picture of what was there at each mark, as [`Scene::draw`], everything in its place of the whole scene. Each triangle is drawn once.
+    pub fn draw_marked(&self, width: u32, height: u32) -> Vec<Image> {
+        self.draw_at(&self.marks, width, height)
+    }
+
+    /// One picture for each mark; these rise.
+    fn draw_at(&self, marks: &[Mark], width: u32, height: u32) -> Vec<Image> {
         let [width, height] = [width, height].map(|side| side.clamp(1, Image::MAX_SIDE / 2));
         let mut canvas = Canvas::new(width, height);
-        // The corners of all facets come first.
-        let mut points: Vec<[f64; 3]> = Vec::with_capacity(3 * self.facets.len());
-        for facet in &self.facets {
-            points.extend(facet.corners.map(|p| self.camera.project(&to_f64(p))));
-        }
         // From below the platform would hide the part.
         let platform = self.platform.as_ref().filter(|_| self.camera.toward.z > 0.0);
-        let corners = |sink: f64| {
-            platform
-                .iter()
-                .flat_map(move |(corners, z)| corners.iter().map(move |c| Vector3::new(c[0], c[1], z - sink)))
+        let of_facets = self.facets.iter().flat_map(|facet| facet.corners).map(to_f64);
+        let of_platform = platform.iter().flat_map(|(corners, z)| corners.iter().map(|c| Vector3::new(c[0], c[1], *z)));
+        let points = of_facets.chain(of_platform).map(|p| self.camera.project(&p));
+        let Some(view) = View::fit(self.camera, points, canvas.size()) else {
+            return marks.iter().map(|_| canvas.picture()).collect();
         };
-        points.extend(corners(0.0).map(|p| self.camera.project(&p)));
-        let Some(view) = View::fit(self.camera, &points, canvas.size()) else { return canvas.picture() };
+        let mut drawn = 0;
+        let picture = |&Mark { facets, shading }: &Mark| {
+            for facet in &self.facets[drawn..facets] {
+                let [a, b, c] = facet.colours;
+                canvas.triangle(facet.corners.map(|p| view.spot(&to_f64(p))), |w| {
+                    let w = w.map(|w| w as f32);
+                    [0, 1, 2].map(|i| w[0] * a[i] + w[1] * b[i] + w[2] * c[i])
+                });
+            }
+            drawn = facets;
+            let mut canvas = canvas.clone();
+            if let Some((corners, z)) = platform {
+                self.draw_platform(&mut canvas, &view, corners, &Shade::new(&self.shading[..shading], *z), *z);
+            }
+            canvas.outline((OUTLINE * view.size) as f32);
+            self.labelled(&canvas, &view)
+        };
+        marks.iter().map(picture).collect()
+    }
 
-        if let Some((corners, z)) = platform {
-            self.draw_platform(&mut canvas, &view, corners, *z);
-        }
-        for (facet, projected) in self.facets.iter().zip(points.chunks_exact(3)) {
-            let [a, b, c] = facet.colours;
-            let corners = [0, 1, 2].map(|k| view.spot_of(projected[k]));
-            canvas.triangle(corners, |w| {
-                let w = w.map(|w| w as f32);
-                [0, 1, 2].map(|i| w[0] * a[i] + w[1] * b[i] + w[2] * c[i])
-            });
-        }
-        canvas.outline((OUTLINE * view.size) as f32);
+    /// The picture of a canvas with labels.
+    fn labelled(&self, canvas: &Canvas, view: &View) -> Image {
         let mut picture = canvas.picture();
         let pixels = f64::from(picture.width()) / canvas.size()[0];
         for (at, text) in &self.labels {
@@ -238,9 +269,8 @@ impl Scene {
     }
 
     /// A thin plate: its side, its rim, and its top with the shade of the part on it.
-    fn draw_platform(&self, canvas: &mut Canvas, view: &View, corners: &[[f64; 2]], z: f64) {
+    fn draw_platform(&self, canvas: &mut Canvas, view: &View, corners: &[[f64; 2]], shade: &Shade, z: f64) {
         let base = from_rgb(PLATFORM);
-        let shade = Shade::new(&self.shading, z);
         let thickness = 0.012 * view.size;
         let middle = corners.iter().fold([0.0; 2], |m, c| [0, 1].map(|i| m[i] + c[i] / corners.len() as f64));
         let rim = 3.0 / view.scale;
@@ -293,14 +323,12 @@ struct View {
 
 impl View {
     /// The largest view that shows all points with a little margin; `None` without points, or with unusable ones.
-    fn fit(camera: Camera, points: &[[f64; 3]], canvas: [f64; 2]) -> Option<Self> {
+    fn fit(camera: Camera, points: impl Iterator<Item = [f64; 3]>, canvas: [f64; 2]) -> Option<Self> {
         const MARGIN: f64 = 0.04;
-        let range = |axis: usize| {
-            let on_axis = points.iter().map(|p| p[axis]);
-            let low = on_axis.clone().fold(f64::INFINITY, f64::min);
-            let high = on_axis.fold(f64::NEG_INFINITY, f64::max);
-            (high - low).is_finite().then_some([low, high])
-        };
+        let (low, high) = points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
+            ([0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k])))
+        });
+        let range = |axis: usize| (high[axis] - low[axis]).is_finite().then_some([low[axis], high[axis]]);
         let [[left, right], [low, high], [far, near]] = [range(0)?, range(1)?, range(2)?];
         let room = canvas.map(|side| side * (1.0 - 2.0 * MARGIN));
         let scale = (room[0] / (right - left)).min(room[1] / (high - low));
@@ -310,11 +338,7 @@ impl View {
     }
 
     fn spot(&self, p: &Vector3<f64>) -> Spot {
-        self.spot_of(self.camera.project(p))
-    }
-
-    /// That of a projected point.
-    fn spot_of(&self, [x, y, depth]: [f64; 3]) -> Spot {
+        let [x, y, depth] = self.camera.project(p);
         [self.shift[0] + self.scale * x, self.shift[1] - self.scale * y, depth]
     }
 }

@@ -30,6 +30,7 @@ mod output;
 mod pages;
 mod plain_data;
 mod planar_arm;
+mod public_functions;
 mod ranges;
 mod reach;
 mod render;

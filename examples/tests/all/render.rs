@@ -156,6 +156,27 @@ fn meshes_and_triangles_are_drawn_from_both_sides() {
 }
 
 #[test]
+fn marked_pictures_show_what_was_there_from_the_view_of_the_whole() {
+    let triangle = |x: f64| [[x, 0.0, 0.0], [x + 2.0, 0.0, 0.0], [x, 0.0, 2.0]].map(Point3::from);
+    let camera = Camera::from_direction(Vector3::new(0.0, -1.0, 0.2));
+    let platform = [[-1.0, -1.0], [7.0, -1.0], [7.0, 1.0], [-1.0, 1.0]];
+    let mut scene = Scene::new(camera);
+    scene.platform(&platform, -0.5).triangles([(triangle(0.0), [200, 100, 50])]).mark();
+    scene.triangles([(triangle(4.0), [200, 100, 50])]).mark();
+    let [first, last] = scene.draw_marked(200, 80).try_into().unwrap();
+    assert_eq!(last.to_png(), scene.draw(200, 80).to_png());
+    // The second triangle is missing from the first picture; the first one is where it is in the other.
+    let drawn = |image: &Image, range: std::ops::Range<u32>| {
+        range
+            .flat_map(|x| (0..80).map(move |y| (x, y)))
+            .filter(|&(x, y)| looks_like(image.get(x, y).unwrap(), [200, 100, 50]))
+            .count()
+    };
+    assert!(drawn(&first, 100..200) == 0 && drawn(&last, 100..200) > 100);
+    assert!(drawn(&first, 0..100) > 100 && drawn(&first, 0..100) == drawn(&last, 0..100));
+}
+
+#[test]
 fn bars_are_as_thick_from_every_side() {
     let (from, to) = (Point3::new(0.0, 0.0, -3.0), Point3::new(0.0, 0.0, 3.0));
     for (x, y) in [(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)] {

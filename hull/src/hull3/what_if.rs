@@ -76,3 +76,29 @@ impl ConvexHull {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Depth;
+
+    /// The journal costs memory, so it is kept only as long as something may be taken back.
+    #[test]
+    fn the_journal_is_kept_while_a_what_if_is_open() {
+        let mut hull = ConvexHull::new(Depth::SURFACE);
+        hull.insert(&[[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]).unwrap();
+        assert!(hull.journal.is_empty());
+        let outer = hull.checkpoint();
+        hull.insert(&[[5, 5, 5]]).unwrap();
+        let noted = hull.journal.len();
+        assert!(noted > 0);
+        let inner = hull.checkpoint();
+        hull.insert(&[[6, 6, 6]]).unwrap();
+        hull.commit(inner);
+        assert!(hull.journal.len() > noted, "the outer what-if may still be taken back");
+        hull.commit(outer);
+        assert!(hull.journal.is_empty());
+        hull.insert(&[[7, 7, 7]]).unwrap();
+        assert!(hull.journal.is_empty());
+    }
+}

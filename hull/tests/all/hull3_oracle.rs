@@ -170,7 +170,11 @@ proptest! {
     fn a_column_agrees_with_a_far_underside(points in points(6, 12), more in points(6, 12), steps in 0u32..6) {
         let section: Vec<[i32; 2]> = points.iter().map(|p| [p[0], p[1]]).collect();
         let depth = Depth::new(f64::from(steps) / 4.0).unwrap();
-        let Ok(mut column) = ConvexHull::column(&section, 0, depth) else { return Ok(()) };
+        let mut extruded: Vec<Point> = section.iter().map(|s| [s[0], s[1], 0]).collect();
+        extruded.push([section[0][0], section[0][1], 1]);
+        let column = ConvexHull::column(&section, 0, depth);
+        prop_assert_eq!(column.is_ok(), spans_volume(&extruded));
+        let Ok(mut column) = column else { return Ok(()) };
         let above: Vec<Point> = more.iter().map(|p| [p[0], p[1], p[2] + 7]).collect();
         column.insert(&above).unwrap();
         prop_assert_eq!(column.volume_times_6(), None);

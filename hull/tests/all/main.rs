@@ -4,5 +4,7 @@
 mod every_function;
 mod hull2_oracle;
 mod hull3_oracle;
+mod plane;
+mod questions;
 mod regressions;
 mod rows;

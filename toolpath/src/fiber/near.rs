@@ -19,7 +19,6 @@ impl<'m> Layer<'m> {
         let normals = vertex_normals(mesh);
         let triangle = |(index, corners): (usize, &[u32; 3])| Triangle {
             corners: corners.map(|v| mesh.vertices()[v as usize]),
-            normals: corners.map(|v| normals[v as usize]),
             rims: [0; 2],
             height: 0.0,
             layer: 0,

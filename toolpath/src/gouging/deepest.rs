@@ -16,7 +16,7 @@
 
 use super::nozzle::{Extent, Nozzle, NozzlePart, Sway};
 use super::obstacle::Obstacle;
-use crate::layer::{Keys, LayerStack, Node, Tree, Triangle, Walk};
+use crate::layer::{Keys, LayerStack, Node, Triangle, Walk};
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 /// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
@@ -45,9 +45,7 @@ pub struct Contact {
 
 /// What a nozzle must keep clear of.
 pub(crate) struct Scene<'a> {
-    pub tree: &'a Tree,
-    /// Edges of boundaries, which triangles name.
-    pub rims: &'a [[Point3<f64>; 2]],
+    pub stack: &'a LayerStack<'a>,
     /// When each triangle is built.
     pub keys: &'a Keys,
     pub nozzle: &'a Nozzle,
@@ -97,7 +95,7 @@ impl Stand {
 
 pub(super) struct Seeker<'a> {
     pub nozzle: &'a Nozzle,
-    rims: &'a [[Point3<f64>; 2]],
+    stack: &'a LayerStack<'a>,
     pub stand: Stand,
     direction: Vector3<f64>,
     rough: f64,
@@ -165,7 +163,7 @@ impl Seeker<'_> {
 
     /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.
     fn to_rim(&self, p: Point3<f64>, triangle: &Triangle) -> f64 {
-        let rims = &self.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
+        let rims = &self.stack.rims[triangle.rims[0] as usize..triangle.rims[1] as usize];
         let squares = rims.iter().map(|[a, b]| {
             let along = b - a;
             let share = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
@@ -267,7 +265,8 @@ impl Walk for Seeker<'_> {
         if self.least(&triangle.corners, &Sway::default()) - offset >= self.bound {
             return false;
         }
-        let base = [0, 1, 2].map(|k| (triangle.corners[k], triangle.normals[k]));
+        let normals = self.stack.corner_normals(triangle);
+        let base = [0, 1, 2].map(|k| (triangle.corners[k], normals[k]));
         // The outer sheets first: where they are gouged the middle one is not asked.
         let sheets = if offset > 0.0 { &[1.0, -1.0, 0.0][..] } else { &[0.0] };
         sheets.iter().any(|side| self.piece(base, triangle, side * offset))
@@ -276,8 +275,8 @@ impl Walk for Seeker<'_> {
 
 impl<'a> Scene<'a> {
     /// The triangles of a stack, with these keys.
-    pub fn new(stack: &'a LayerStack<'_>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
-        Scene { tree: &stack.tree, rims: &stack.rims, keys, nozzle, plate }
+    pub fn new(stack: &'a LayerStack<'a>, keys: &'a Keys, nozzle: &'a Nozzle, plate: Option<f64>) -> Self {
+        Scene { stack, keys, nozzle, plate }
     }
 
     fn seek(
@@ -289,19 +288,19 @@ impl<'a> Scene<'a> {
         stack: &mut Vec<(f64, u32)>,
     ) -> Option<Worst> {
         let mut seeker = self.seeker(stand, direction, rough, any);
-        self.tree.walk(self.keys, stand.before, &mut seeker, stack);
+        self.stack.tree.walk(self.keys, stand.before, &mut seeker, stack);
         seeker.worst
     }
 
     pub(super) fn seeker(&self, stand: Stand, direction: &UnitVector3<f64>, rough: f64, any: bool) -> Seeker<'a> {
         let direction = direction.into_inner();
-        Seeker { nozzle: self.nozzle, rims: self.rims, stand, direction, rough, worst: None, bound: 0.0, any }
+        Seeker { nozzle: self.nozzle, stack: self.stack, stand, direction, rough, worst: None, bound: 0.0, any }
     }
 
     /// As [`Scene::is_free`], at a pose on a way with no more built and the same allowed, given the triangles near it.
     pub fn is_free_of(&self, near: &[u32], stand: Stand, direction: &UnitVector3<f64>) -> bool {
         let mut seeker = self.seeker(stand, direction, 0.0, true);
-        let triangles = self.tree.triangles();
+        let triangles = self.stack.tree.triangles();
         let is_there = |t: &&u32| self.keys.of_triangle[**t as usize] < stand.before;
         self.above_plate(stand, direction) && !near.iter().filter(is_there).any(|&t| seeker.see(&triangles[t as usize]))
     }

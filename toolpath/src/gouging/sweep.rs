@@ -71,7 +71,7 @@ impl Scene<'_> {
         near.clear();
         let sweeper = self.sweeper(way);
         let clears = |node: &Node| sweeper.clears_box(node);
-        self.tree.each(self.keys, way.stand.before, clears, |number, triangle| {
+        self.stack.tree.each(self.keys, way.stand.before, clears, |number, triangle| {
             if !sweeper.clears(triangle) {
                 near.push(number);
             }

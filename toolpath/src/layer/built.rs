@@ -69,14 +69,13 @@ pub(super) fn prepare(number: u32, layer: &Built) -> Prepared {
     let (mut triangles, mut rims) = (Vec::with_capacity(layer.triangles.len()), Vec::new());
     for ((index, corners), &height) in (0..).zip(layer.triangles).zip(layer.spacing) {
         let [a, b, c] = corners.map(|v| layer.vertices[v as usize]);
-        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else {
+        if (b - a).cross(&(c - a)).try_normalize(0.0).is_none() {
             continue;
-        };
+        }
         let before = rims.len() as u32;
         rims.extend(at_boundary.near(corners).into_iter().map(|edge| edge.map(|v| layer.vertices[v as usize])));
-        let at = corners.map(|v| Some(normals[v as usize]).filter(|n| n.norm_squared() > 0.5).unwrap_or(normal));
         let rims = [before, rims.len() as u32];
-        triangles.push(Triangle { corners: [a, b, c], normals: at, rims, height, layer: number, index });
+        triangles.push(Triangle { corners: [a, b, c], rims, height, layer: number, index });
     }
     Prepared { triangles, normals, rims }
 }

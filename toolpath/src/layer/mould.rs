@@ -3,7 +3,7 @@
 use super::built::{Built, MAX_COORDINATE_MM, MAX_TRIANGLES, Prepared, prepare, sound, unknown_corner};
 use super::error::{MouldError, StackError};
 use super::keys::{below_layer, keys_by_layer};
-use super::stack::LayerStack;
+use super::stack::{LayerStack, MouldBody};
 use super::tree::{Keys, Tree};
 use super::triangle::{MOULD, Triangle};
 use nalgebra::{Point3, Vector3};
@@ -98,7 +98,7 @@ impl LayerStack<'_> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn on_mould(self, mould: &Mould) -> Result<Self, StackError> {
-        let Prepared { triangles: of_mould, mut rims, .. } = mould.prepared()?;
+        let Prepared { triangles: of_mould, normals, mut rims } = mould.prepared()?;
         let before = rims.len() as u32;
         rims.extend(self.rims);
         let of_layers = self.tree.triangles().iter();
@@ -115,6 +115,7 @@ impl LayerStack<'_> {
         let high = corners().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, p| high.sup(&p)) + half;
         let tree = Tree::new(all);
         let keys = keys_by_layer(&tree);
-        Ok(LayerStack { tree, keys, rims, mould: Some([low, high]), ..self })
+        let mould = MouldBody { bounds: [low, high], triangles: mould.triangles.to_vec(), normals };
+        Ok(LayerStack { tree, keys, rims, mould: Some(mould), ..self })
     }
 }

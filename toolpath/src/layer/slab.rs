@@ -43,7 +43,7 @@ mod tests {
 
     fn triangle(corners: [[f64; 3]; 3]) -> Triangle {
         let corners = corners.map(Point3::from);
-        Triangle { corners, normals: [Vector3::z(); 3], rims: [0; 2], height: 0.3, layer: 0, index: 0 }
+        Triangle { corners, rims: [0; 2], height: 0.3, layer: 0, index: 0 }
     }
 
     #[test]

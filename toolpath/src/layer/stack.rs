@@ -9,7 +9,7 @@ use super::error::StackError;
 use super::hints::DirectionHints;
 use super::keys::{keys_by_layer, of_layer};
 use super::tree::{Keys, Tree};
-use super::triangle::Triangle;
+use super::triangle::{MOULD, Triangle};
 use crate::mesh::on_triangle;
 use crate::parallel;
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
@@ -31,8 +31,17 @@ pub struct LayerStack<'a> {
     pub(crate) rims: Vec<[Point3<f64>; 2]>,
     /// Directions that are known ([`LayerStack::with_hints`]).
     pub(crate) hints: DirectionHints,
-    /// Lower and upper corner of a box around the mould, half of its thickness included.
-    pub(crate) mould: Option<[Point3<f64>; 2]>,
+    pub(crate) mould: Option<MouldBody>,
+}
+
+/// A mould that layers stand on, beside its triangles in the tree.
+#[derive(Debug)]
+pub(crate) struct MouldBody {
+    /// Lower and upper corner of a box around it, half of its thickness included.
+    pub bounds: [Point3<f64>; 2],
+    /// Corners of its triangles as they were given, and the normals of its vertices as those of a layer.
+    pub triangles: Vec<[u32; 3]>,
+    pub normals: Vec<Vector3<f64>>,
 }
 
 /// The surface of a layer at a point.
@@ -121,6 +130,16 @@ impl<'a> LayerStack<'a> {
     /// How many triangles have an area.
     pub fn triangles(&self) -> usize {
         self.tree.triangles().len()
+    }
+
+    /// Unit normals at the corners of a triangle: those of its vertices, shared by the triangles around them; its own where these cancel.
+    pub(crate) fn corner_normals(&self, triangle: &Triangle) -> [Vector3<f64>; 3] {
+        let (triangles, normals) = match (triangle.layer, &self.mould) {
+            (MOULD, Some(mould)) => (&mould.triangles[..], &mould.normals[..]),
+            (layer, _) => (self.layers[layer as usize].triangles, &self.normals[layer as usize][..]),
+        };
+        let of_vertex = |v: u32| Some(normals[v as usize]).filter(|normal| normal.norm_squared() > 0.5);
+        triangles[triangle.index as usize].map(|v| of_vertex(v).unwrap_or_else(|| triangle.normal().normalize()))
     }
 
     /// The surface of a layer near `p`. The layer has curves, so it has a surface. `near` is a triangle of the layer that may be near, and

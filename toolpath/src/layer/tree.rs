@@ -65,7 +65,9 @@ impl Tree {
         let mut places: Vec<Place> = tree.triangles.iter().zip(0..).map(Place::new).collect();
         if !places.is_empty() {
             tree.build(&mut places, 0);
-            tree.triangles = places.iter().map(|place| tree.triangles[place.index as usize]).collect();
+            let order = places.iter().map(|place| place.index).collect();
+            drop(places);
+            arrange(&mut tree.triangles, order);
             tree.bound();
         }
         tree
@@ -261,6 +263,20 @@ impl Tree {
     }
 }
 
+/// Puts at `k` what is at `order[k]`, along the cycles of the order: there is no second copy.
+fn arrange(triangles: &mut [Triangle], mut order: Vec<u32>) {
+    for start in 0..triangles.len() {
+        let mut at = start;
+        while order[at] as usize != start {
+            let from = order[at] as usize;
+            triangles.swap(at, from);
+            order[at] = at as u32;
+            at = from;
+        }
+        order[at] = at as u32;
+    }
+}
+
 /// What a walk looks for.
 pub(crate) trait Walk {
     /// No point of a box can be worth less than this.
@@ -319,5 +335,22 @@ impl Keys {
             of_node[at] = range;
         }
         Keys { of_triangle, of_node }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn triangles_are_put_in_order_without_a_copy(order in Just((0..40_u32).collect::<Vec<_>>()).prop_shuffle()) {
+            let corners = [Point3::origin(); 3];
+            let triangle = |index| Triangle { corners, rims: [0; 2], height: 1.0, layer: 0, index };
+            let mut triangles: Vec<Triangle> = (0..40).map(triangle).collect();
+            arrange(&mut triangles, order.clone());
+            prop_assert_eq!(triangles.iter().map(|triangle| triangle.index).collect::<Vec<_>>(), order);
+        }
     }
 }

@@ -9,8 +9,6 @@ pub(crate) const MOULD: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
     pub corners: [Point3<f64>; 3],
-    /// Unit normals at the corners, shared by the triangles around them.
-    pub normals: [Vector3<f64>; 3],
     /// The edges of the layer's boundary that end at a corner: a range of [`LayerStack::rims`].
     ///
     /// [`LayerStack::rims`]: super::stack::LayerStack

@@ -411,3 +411,42 @@ fn seams_are_no_holes() {
     assert_eq!((report.holes, report.sheets, report.volume_mm3.round()), (0, 0, 512.0), "{report:?}");
     assert!(report.doubts(1e-3).is_empty());
 }
+
+/// The mouths of a tube are measured in its own unit, and so are sheets and volumes.
+#[test]
+fn figures_are_those_of_the_mesh_at_any_size() {
+    for scale in [0.01, 1.0, 7.0, 3e4] {
+        let scaled = |mesh: Mesh| Mesh { vertices: mesh.vertices.iter().map(|at| at * scale).collect(), ..mesh };
+        let close = |found: f64, expected: f64| (found - expected).abs() < 1e-9 * expected;
+        let (_, report) = oriented(&scaled(tube(40.0)));
+        let polygon = 12.0 * (5.0 * scale).powi(2) * (std::f64::consts::TAU / 24.0).sin();
+        assert_eq!(report.holes, 2);
+        assert!(close(report.holes_mm2, 2.0 * polygon), "{report:?}");
+        assert!(close(report.volume_mm3, polygon * 40.0 * scale), "{report:?}");
+        // Half a ball over each mouth, which is nearly a circle.
+        let balls = 4.0 / 3.0 * std::f64::consts::PI * (5.0 * scale).powi(3);
+        assert!((report.holes_mm3 / balls - 1.0).abs() < 0.03, "{report:?} {balls}");
+
+        let sheet = Mesh {
+            vertices: [[0.0, 0.0, 3.0], [7.0, 0.0, 3.0], [7.0, 2.0, 3.0], [0.0, 2.0, 3.0]].map(Point3::from).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        };
+        let (_, report) = oriented(&scaled(sheet));
+        assert_eq!((report.sheets, report.holes), (1, 0));
+        assert!(close(report.sheets_mm2, 14.0 * scale * scale), "{report:?}");
+
+        let shell = scaled(cuboid([0.0; 3], [20.0; 3]).and(&cuboid([6.0; 3], [14.0; 3])));
+        let (_, report) = oriented(&shell);
+        assert!(close(report.volume_mm3, 8000.0 * scale.powi(3)) && close(report.shells_mm3, 512.0 * scale.powi(3)));
+    }
+}
+
+/// All vertices at one place: nothing is turned, and no figure is undefined.
+#[test]
+fn a_mesh_in_one_point_has_no_figures() {
+    let point = Mesh { vertices: vec![Point3::new(3.0, -2.0, 5.0); 6], triangles: vec![[0, 1, 2], [3, 4, 5]] };
+    let (found, of) = oriented(&point);
+    assert_eq!(found.triangles, point.triangles);
+    let figures = [of.volume_mm3, of.other_volume_mm3, of.shells_mm3, of.holes_mm2, of.holes_mm3, of.sheets_mm2];
+    assert_eq!(figures, [0.0; 6], "{of:?}");
+}

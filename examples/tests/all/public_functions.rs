@@ -1,9 +1,10 @@
-//! Which functions a user can reach, read from the sources.
+//! Every public function of a crate is fed any input by its tests (`tests/all/every_function`): what they feed is listed there in `fed.txt`, a function a
+//! line, behind a bar why it may panic. A new function that is not listed fails here, and so does one that is listed and not called.
 //!
-//! Names that can be reached are what `lib.rs` and its public modules re-export (`pub use`) or define. A public function counts if its own
-//! name is one of them, and one of an `impl` block if the name of the type is, unless the file has a type of that name for itself
-//! (`pub(super)`, `pub(crate)`). Left out by this: what stands in private modules and is not re-exported, functions of traits, which the user
-//! writes or which are called by what takes the trait, and those behind macros.
+//! Functions are those that a user can reach, read from the sources. Names that can be reached are what `lib.rs` and its public modules re-export
+//! (`pub use`) or define. A public function counts if its own name is one of them, and one of an `impl` block if the name of the type is, unless the file
+//! has a type of that name for itself (`pub(super)`, `pub(crate)`). Left out by this: what stands in private modules and is not re-exported, also where a
+//! public function returns it, functions of traits, which the user writes or which are called by what takes the trait, and those behind macros.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Each function that a user can reach, as `file name` or `file Type::name`.
-pub fn reachable(root: &Path) -> BTreeSet<String> {
+fn reachable(root: &Path) -> BTreeSet<String> {
     let (mut names, mut all, mut found) = (BTreeSet::new(), Vec::new(), BTreeSet::new());
     exported(&root.join("lib.rs"), root, &mut names);
     files(root, &mut all);
@@ -92,4 +93,50 @@ pub fn reachable(root: &Path) -> BTreeSet<String> {
 fn hidden(line: &str) -> Option<&str> {
     let rest = ["pub(super) ", "pub(crate) ", ""].iter().find_map(|seen| line.strip_prefix(seen))?;
     after(rest, &["struct ", "enum "])
+}
+
+fn each_is_fed(name: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name);
+    let (root, tests) = (folder.join("src"), folder.join("tests/all/every_function"));
+    let list = std::fs::read_to_string(tests.join("fed.txt")).unwrap();
+    let fed: Vec<(&str, Option<&str>)> = list
+        .lines()
+        .map(|line| line.split_once(" | ").map_or((line, None), |(entry, why)| (entry, Some(why))))
+        .collect();
+    let names: BTreeSet<String> = fed.iter().map(|(entry, _)| entry.to_string()).collect();
+    assert_eq!(
+        names,
+        reachable(&root),
+        "{name}: feed new functions in tests/all/every_function and name them in its fed.txt"
+    );
+    let mut sources = Vec::new();
+    files(&tests, &mut sources);
+    sources.retain(|file| file.extension().is_some_and(|extension| extension == "rs"));
+    let text: String = sources.iter().map(|file| std::fs::read_to_string(file).unwrap()).collect();
+    for (entry, panics) in fed {
+        let function = entry.rsplit([' ', ':']).next().unwrap();
+        let calls = [format!("{function}("), format!("{function}::<"), format!("::{function})")];
+        assert!(calls.iter().any(|call| text.contains(call)), "{name}: {entry} is named but not called");
+        if panics.is_some() {
+            let source = std::fs::read_to_string(root.join(entry.split(' ').next().unwrap())).unwrap();
+            let before = source.split(&format!("pub fn {function}(")).next().unwrap();
+            let docs = before.lines().rev().map(str::trim).skip(1).take_while(|line| line.starts_with("///"));
+            assert!(docs.into_iter().any(|line| line == "/// # Panics"), "{name}: {entry} does not say when it panics");
+        }
+    }
+}
+
+#[test]
+fn functions_of_layers_are_fed() {
+    each_is_fed("layers");
+}
+
+#[test]
+fn functions_of_trajectory_are_fed() {
+    each_is_fed("trajectory");
+}
+
+#[test]
+fn functions_of_toolpath_are_fed() {
+    each_is_fed("toolpath");
 }
