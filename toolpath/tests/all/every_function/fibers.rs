@@ -167,7 +167,6 @@ proptest! {
     }
 
     #[test]
-    #[ignore = "ends in memory or time that no test has; open, see docs/testing.md"]
     fn heads_and_beds_take_anything(given in layers(), mut paths in paths(), value in bad(), height in number(), sizes in [number(), number()], schedule in prop::collection::vec((any::<bool>(), number()), 0..4), layer in 0..4u32, solid in mesh(), marks in prop::collection::vec((0..5u32, number()), 0..4)) {
         for head in each_spoilt(&TapeHead::default(), &HEAD, value) {
             for layer in &given {

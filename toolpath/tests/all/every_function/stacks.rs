@@ -193,7 +193,6 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    #[ignore = "ends in memory or time that no test has; open, see docs/testing.md"]
     fn stacks_take_anything(
         odd in mesh(), lines in [prop::collection::vec(point(), 0..5), prop::collection::vec(point(), 0..5)], widths in prop::collection::vec(number(), 1..5), spacing in prop::collection::vec(number(), 0..4), paths in paths(), poses in [(point(), unit()), (point(), unit())],
         value in bad(), count in count(), known in prop::collection::vec((point(), unit()), 0..4), reach in number(), solid in mesh(), directions in prop::collection::vec(unit(), 0..4),

@@ -129,7 +129,6 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    #[ignore = "ends in memory or time that no test has; open, see docs/testing.md"]
     fn fill_takes_anything(
         odd in mesh(), thickness in prop::collection::vec(number(), 0..4), value in bad(), count in count(), range in [0..4usize, 0..4usize], share in number(), layers_each in number(),
     ) {
