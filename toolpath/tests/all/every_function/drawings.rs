@@ -92,7 +92,7 @@ fn feed_fill(regions: &[Region], open: &[Contour], value: f64, most: usize) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn curves_and_contours_take_anything(

@@ -8,14 +8,21 @@ use curvlay_toolpath::drawing::{
     Curve, Drawing, Flatten, FlattenError, Stroke, StrokeKind, start_strokes, thin_clusters,
 };
 use curvlay_toolpath::estimate::{SampledPart, Samples, estimate_print};
-use curvlay_toolpath::fiber::bedding::bedded_surface;
+use curvlay_toolpath::fiber::bedding::{Roller, bedded_surface, tape_bedding};
+use curvlay_toolpath::fiber::head::LayerTapes;
+use curvlay_toolpath::fiber::tapes::Tape;
 use curvlay_toolpath::fill::{FillLayersError, fill_layers, fill_range};
+use curvlay_toolpath::gcode::Tool;
+use curvlay_toolpath::geodesic::SurfaceDistance;
 use curvlay_toolpath::gouging::{GougingOptions, Moment, Nozzle};
 use curvlay_toolpath::layer::{BuiltLayer, DirectionHints, LayerStack, LayerSurface};
+use curvlay_toolpath::level_set::LevelField;
+use curvlay_toolpath::mesh::SurfaceMesh;
 use curvlay_toolpath::nalgebra::{Point2, Point3, Unit, Vector3};
 use curvlay_toolpath::orientation::Pose;
-use curvlay_toolpath::path::{InfillOptions, PathOptions};
+use curvlay_toolpath::path::{InfillOptions, PathError, PathOptions};
 use curvlay_toolpath::shell::{ShellOptions, shell_gap};
+use curvlay_toolpath::support::SupportOptions;
 use curvlay_toolpath::travel::TravelOptions;
 use curvlay_toolpath::vtp::write_paths_vtp;
 
@@ -188,4 +195,26 @@ fn surfaces_without_a_vertex_are_not_filled() {
         assert!(fill_range(&[surface], 0..1, &options, &go).is_err(), "{skin}");
         assert!(fill_layers(&[surface], &options, &go).is_err(), "{skin}");
     }
+}
+
+#[test]
+fn surfaces_of_too_many_beads_get_no_paths() {
+    let corners = [[0.0, 0.0], [1e8, 0.0], [1e8, 6.0], [0.0, 6.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+    let mesh = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let distance = SurfaceDistance::to_boundary(&mesh, &go).unwrap();
+    let field = LevelField::new(&distance, 1.0, &go).unwrap();
+    let options = PathOptions { bead: 1.0, ..PathOptions::default() };
+    let error = field.paths(&options, &go).unwrap_err();
+    assert!(matches!(error, PathError::TooManyPoints { bead: 1.0, .. }), "{error}");
+}
+
+#[test]
+fn the_last_layer_is_bedded() {
+    let path = curvlay_toolpath::orientation::ToolPath { layer: u32::MAX, ..line_of(5) };
+    let points = [0.0, 4.0].map(|x| Point3::new(x, 2.0, 0.8)).to_vec();
+    let tape = Tape { points, normals: vec![Vector3::z_axis(); 2], width: 0.8, thickness: 0.1 };
+    let tapes = [LayerTapes { layer: u32::MAX, tool: Tool::Roller, lift: 0.0, tapes: vec![tape] }];
+    let roller = Roller { diameter: 20.0, width: 6.0 };
+    let bedding = tape_bedding(&[path], &tapes, 0.8, &roller, &SupportOptions::default(), &go).unwrap();
+    assert!((bedding.tape_mm2 - 3.2).abs() < 1e-9);
 }
