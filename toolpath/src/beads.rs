@@ -58,6 +58,10 @@ pub(crate) fn nearest_share([a, b]: &[Section; 2], at: Point3<f64>) -> f64 {
     if squared > 0.0 { (at - a.middle).dot(&way) / squared } else { 0.0 }
 }
 
+/// A piece of mean length passes through this many half cells at most, so that beads far longer than wide do not fill the memory: a fifth of a
+/// metre where what is looked for is within 0.8 mm.
+const MAX_STEPS: f64 = 512.0;
+
 /// Pieces of beads, by number, in the cells of a grid that they pass through.
 pub(crate) struct BeadGrid {
     cells: HashMap<[i64; 3], Vec<u32>>,
@@ -67,7 +71,11 @@ pub(crate) struct BeadGrid {
 impl BeadGrid {
     /// # Arguments
     /// * `reach`: how far a place may be from the centre line of a piece that is found.
-    pub fn new<'a>(pieces: impl Iterator<Item = &'a [Section; 2]>, reach: f64) -> Self {
+    pub fn new<'a>(pieces: impl Iterator<Item = &'a [Section; 2]> + Clone, reach: f64) -> Self {
+        let lengths = pieces.clone().map(|[a, b]| (b.middle - a.middle).norm());
+        let (count, length) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
+        // Larger cells than what is looked for asks for only take longer to look through.
+        let reach = reach.max(2.0 * length / f64::from(count.max(1)) / MAX_STEPS);
         // Samples of a piece are a quarter of the reach from what they stand for, so a cell and its neighbours have all within reach.
         let side = 1.25 * reach;
         let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();

@@ -2,9 +2,12 @@
 
 use nalgebra::Point3;
 
+/// Places farther out are in the last cell, so that it has neighbours, too.
+const LAST: i64 = i64::MAX / 2;
+
 /// The cell that a place is in, of cells with a side in millimetres; one begins at the origin.
 pub(crate) fn cell_of(at: Point3<f64>, side: f64) -> [i64; 3] {
-    [at.x, at.y, at.z].map(|x| (x / side).floor() as i64)
+    [at.x, at.y, at.z].map(|x| ((x / side).floor() as i64).clamp(-LAST, LAST))
 }
 
 /// A cell and the 26 around it, by x, then y, then z.

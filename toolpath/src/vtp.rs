@@ -90,7 +90,7 @@ fn groups<'a>(paths: &'a [ToolPath], points: usize, times: &'a [f32]) -> [(&'sta
         (
             "CellData",
             vec![Array::new("layer", ("UInt32", 4), 1, paths.len(), move |out| {
-                bytes(paths.iter().map(|path| (path.layer + 1).to_le_bytes()), out)
+                bytes(paths.iter().map(|path| path.layer.saturating_add(1).to_le_bytes()), out)
             })],
         ),
         (

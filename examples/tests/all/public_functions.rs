@@ -135,3 +135,8 @@ fn functions_of_layers_are_fed() {
 fn functions_of_trajectory_are_fed() {
     each_is_fed("trajectory");
 }
+
+#[test]
+fn functions_of_toolpath_are_fed() {
+    each_is_fed("toolpath");
+}

@@ -36,7 +36,7 @@ pub(crate) fn carriers(kept: &[SurfacePath], left: &[SurfacePath], places: &[Pla
 
 /// Segments that are looked up within a reach.
 fn segments(paths: &[SurfacePath], reach: f64) -> Segments {
-    let mut segments = Segments::new(4.0 / 3.0 * reach);
+    let mut segments = Segments::within(reach, paths.iter());
     segments.add_all(paths);
     segments
 }

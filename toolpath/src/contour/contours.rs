@@ -10,7 +10,8 @@ use super::{chains, join, narrow, rows, short, spirals, widths, zigzag};
 use crate::level_set::{LevelField, LevelSets};
 use crate::mesh::{SurfaceMesh, SurfacePoint};
 use crate::path::{
-    BeadKind, LayerPaths, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled, UnfilledReason,
+    BeadKind, LayerPaths, POINTS_A_BEAD, PathError, PathOptions, PathPoint, Pattern, SurfacePath, Unfilled,
+    UnfilledReason,
 };
 use crate::{Progress, ProgressFn};
 use std::ops::ControlFlow;
@@ -103,7 +104,9 @@ impl LevelField<'_> {
         let PathOptions { bead, min_gap: gap, join_distance, min_length, min_width, .. } = *options;
         // Rows keep one distance from each other whatever is beside them: there is no way across that they could share.
         let fitted = options.fitted && options.pattern != Pattern::Zigzag;
-        let spacing = Spacing::new(self, bead, self.reach(bead)?, fitted, walls.map(|walls| walls as usize));
+        let reach = self.reach(bead)?;
+        self.check_size(options)?;
+        let spacing = Spacing::new(self, bead, reach, fitted, walls.map(|walls| walls as usize));
         let inside: Vec<f64> = walls.map(|walls| spacing.inside(walls as usize)).unwrap_or_default();
         if walls == Some(0) {
             return Ok(Contours { paths: LayerPaths::default(), inside });
@@ -160,6 +163,22 @@ impl LevelField<'_> {
     pub(crate) fn greatest(&self) -> f64 {
         let finite = self.values.iter().copied().filter(|v| v.is_finite());
         finite.fold(None, |most: Option<f64>, v| Some(most.map_or(v, |most| most.max(v)))).unwrap_or(f64::INFINITY)
+    }
+
+    /// Refuses beads that would take too many points, as [`PathOptions::max_points`] says.
+    fn check_size(&self, options: &PathOptions) -> Result<(), PathError> {
+        let PathOptions { bead, max_points: most, .. } = *options;
+        let mesh = self.distance().mesh();
+        let area = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|v| mesh.vertices()[v as usize]);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        };
+        let area_mm2: f64 = mesh.triangles().iter().map(area).sum();
+        let points = POINTS_A_BEAD * area_mm2 / bead / bead;
+        if points > most as f64 {
+            return Err(PathError::TooManyPoints { bead, area_mm2, points, most });
+        }
+        Ok(())
     }
 
     /// The greatest distance from the boundary.

@@ -28,6 +28,10 @@ struct Columns {
     starts: Vec<u32>,
 }
 
+/// A segment of mean length passes through this many half cells at most, so that a reach of hardly anything does not fill the memory: a tenth
+/// of a metre in cells of 0.4 mm, which are those of layers of 0.2 mm.
+const MAX_STEPS: f64 = 512.0;
+
 /// Columns for each entry, and in any case, that are worth their memory.
 const MAX_COLUMNS: [usize; 2] = [4, 1 << 10];
 
@@ -35,6 +39,17 @@ impl Segments {
     /// Nothing yet, in cells of a side.
     pub fn new(side: f64) -> Self {
         Segments { side, cells: Vec::new(), columns: Columns::default() }
+    }
+
+    /// Nothing yet, in cells for segments of paths that are looked up within a reach. Larger cells than that asks for only take longer to look
+    /// through.
+    pub fn within<'a>(reach: f64, paths: impl Iterator<Item = &'a SurfacePath>) -> Self {
+        let (mut length, mut count) = (0.0, 0);
+        for path in paths {
+            length += path.length();
+            count += path.segments();
+        }
+        Segments::new((4.0 / 3.0 * reach).max(2.0 * length / count.max(1) as f64 / MAX_STEPS))
     }
 
     /// Those of curves: the number of each curve, and of the point where a segment begins.
@@ -61,10 +76,10 @@ impl Segments {
 
     /// Adds a segment; they must be sorted before any is looked up.
     pub fn add(&mut self, ends: [Point3<f64>; 2], name: [u32; 2]) {
-        let first = self.cells.len();
         for p in samples(ends, self.side) {
             let entry = (cell_of(p, self.side), name);
-            if !self.cells[first..].contains(&entry) {
+            // A straight line does not come back to a cell that it has left.
+            if self.cells.last() != Some(&entry) {
                 self.cells.push(entry);
             }
         }

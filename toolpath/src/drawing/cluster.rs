@@ -22,7 +22,7 @@ const SAMPLE: f64 = 0.1;
 
 /// Removes what of an open stroke lies where `max_beads` other strokes are already: their middle lines within half a width of its own.
 /// Strokes keep their order; pieces shorter than their width are removed. A stroke whose width is not above 0, or less than a
-/// millionth of its length, stays as it is.
+/// millionth of its length, or that has no finite length, stays as it is.
 ///
 /// # Arguments
 /// * `max_beads`: 2 lets two lines cross; 0 would remove every open stroke, and counts as 1.
@@ -83,7 +83,8 @@ pub fn thin_clusters(strokes: &mut Vec<Stroke>, max_beads: usize) -> Thinned {
 
 /// Whether points along a stroke can be looked at one by one.
 fn is_sampled(stroke: &Stroke) -> bool {
-    stroke.width > 0.0 && stroke.width < f64::INFINITY && stroke.length() <= MAX_WIDTHS * stroke.width
+    let length = stroke.length();
+    stroke.width > 0.0 && length.is_finite() && length <= MAX_WIDTHS * stroke.width && stroke.width.is_finite()
 }
 
 /// Longest stroke that is looked at, in widths: a thousand times a design of the thesis.
@@ -96,7 +97,7 @@ fn sampled(stroke: &Stroke) -> Vec<(Point2<f64>, bool)> {
     let mut from: Option<Point2<f64>> = None;
     for &to in stroke.points.iter().chain(back) {
         if let Some(from) = from {
-            let steps = ((to - from).norm() / (SAMPLE * stroke.width)).ceil().max(1.0);
+            let steps = ((to - from).norm() / stroke.width / SAMPLE).ceil().max(1.0);
             out.extend((1..steps as usize).map(|k| (from + (to - from) * (k as f64 / steps), false)));
         }
         out.push((to, true));

@@ -98,7 +98,7 @@ impl Drawing {
         let estimate: f64 =
             chosen().flat_map(|entity| &entity.curves).map(|curve| estimated_points(curve, flatten)).sum();
         // An estimate of curves that cannot be drawn is nothing: they are named below.
-        if estimate.is_finite() && estimate > MAX_POINTS as f64 && chosen().all(Entity::is_drawable) {
+        if estimate > MAX_POINTS as f64 && chosen().all(Entity::is_drawable) {
             return Err(FlattenError::TooManyPoints { limit: MAX_POINTS });
         }
         let mut contours = Vec::new();
@@ -198,7 +198,8 @@ fn along(curve: &Curve, tolerance: f64, most: usize, points: &mut Vec<Point2<f64
         Curve::Spline { .. } => {
             for piece in curve.pieces().unwrap_or_default() {
                 points.push(plane(piece.first()?));
-                halve(&piece, tolerance, 0, most, points)?;
+                let farthest = piece.iter().map(plane).flat_map(|p| [p.x.abs(), p.y.abs()]).fold(0.0, f64::max);
+                halve(&piece, tolerance.max(ROUNDING * farthest), 0, most, points)?;
             }
         }
     }
@@ -212,6 +213,9 @@ fn arc_chords(wanted: f64, most: usize) -> Option<usize> {
 fn plane([x, y, w]: &[f64; 3]) -> Point2<f64> {
     Point2::new(x / w, y / w)
 }
+
+/// Share of the farthest coordinate of a Bezier piece below which rounding alone keeps its points off a chord.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Halvings of a Bezier piece: 2^24 chords are beyond any tolerance that makes sense, and end what rounding keeps apart.
 const DEEPEST: u32 = 24;

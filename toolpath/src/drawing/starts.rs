@@ -8,6 +8,9 @@ use super::fill::Stroke;
 use super::join::Grid;
 use nalgebra::Point2;
 
+/// Most points that stand for a line: strokes as [`fill`](super::fill()) makes them have fewer, and others are only not found by those beside them.
+const MAX_STEPS: f64 = 1e4;
+
 /// Turns closed strokes so that they begin where a point of an earlier stroke is within reach of their own edge, else where they
 /// are nearest to the origin; open ones are reversed if their other end fits better. "Within reach" is half of both widths: there
 /// the beads touch.
@@ -57,7 +60,8 @@ pub fn start_strokes(strokes: &mut [Stroke]) -> usize {
         let back = stroke.points[..usize::from(stroke.closed)].iter();
         let mut from: Option<Point2<f64>> = None;
         for &to in stroke.points.iter().chain(back) {
-            let steps = from.map_or(1.0, |from| ((to - from).norm() / (0.5 * widest)).ceil().max(1.0));
+            let steps: f64 =
+                from.map_or(1.0, |from| ((to - from).norm() / (0.5 * widest)).ceil().clamp(1.0, MAX_STEPS));
             for k in 1..=steps as usize {
                 let at = from.map_or(to, |from| from + (to - from) * (k as f64 / steps));
                 printed.add(&at, ());

@@ -68,11 +68,12 @@ impl PrintEstimate {
 ///
 /// # Arguments
 /// * `parts`: the part, and its support if it has any: the surfaces with the same place in both lists are printed together.
-/// * `layers_each`: how many layers each surface stands for, itself included: above 0.
+/// * `layers_each`: how many layers each surface stands for, itself included: above 0 and finite.
 /// * `progress`: called with the stage `estimate` after each layer; may cancel.
 ///
 /// # Errors
-/// [`FillLayersError`], as [`fill_layers`](crate::fill::fill_layers): a surface cannot be filled, or work was cancelled.
+/// [`FillLayersError`], as [`fill_layers`](crate::fill::fill_layers): a surface cannot be filled, or work was cancelled; and
+/// [`FillLayersError::LayersEach`].
 ///
 /// # Cost
 /// Some milliseconds for a surface of 2,000 triangles, a tenth of filling it. With the feature `rayon` surfaces are shared out among threads;
@@ -107,6 +108,9 @@ pub fn estimate_print(
     progress: ProgressFn,
 ) -> Result<PrintEstimate, FillLayersError> {
     let each = samples.layers_each;
+    if !(each > 0.0 && each.is_finite()) {
+        return Err(FillLayersError::LayersEach { layers_each: each });
+    }
     let mut layers: Vec<Vec<Sheet>> = Vec::new();
     for part in samples.parts {
         let heights = vec![1.0; part.solid.1.len()];

@@ -11,6 +11,9 @@ use nalgebra::Point3;
 /// How often each sample is travelled, at least: each time with other ends.
 const MIN_ROUNDS: f64 = 8.0;
 
+/// And at most: the mean of a thousand random ways is within some hundredths of what more would give.
+const MAX_ROUNDS: f64 = 1000.0;
+
 /// All ways between curves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Ways {
@@ -21,7 +24,7 @@ pub(super) struct Ways {
 /// The ways between the curves of layers, each of which stands for so many.
 pub(super) fn between(layers: &[Vec<Region>], each: f64) -> Ways {
     let (mut ways, mut random) = (Ways::default(), Random::new(0));
-    let rounds = each.ceil().max(MIN_ROUNDS) as usize;
+    let rounds = each.ceil().clamp(MIN_ROUNDS, MAX_ROUNDS) as usize;
     let mut at: Option<Point3<f64>> = None;
     for regions in layers {
         ways.curves += each * regions.iter().map(|region| region.curves).sum::<f64>();

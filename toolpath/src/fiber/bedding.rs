@@ -288,7 +288,7 @@ impl BeadsAndStrands {
     }
 
     fn bead(&mut self, bead: &ToolPath) {
-        self.paths.push(ToolPath { layer: 2 * bead.layer, ..bead.clone() });
+        self.paths.push(ToolPath { layer: bead.layer.saturating_mul(2), ..bead.clone() });
         self.strands.push(None);
     }
 
@@ -298,7 +298,12 @@ impl BeadsAndStrands {
         for k in 0..count as usize {
             let aside = (k as f64 + 0.5) * width - 0.5 * tape.width;
             let waypoints = strand(tape, list.lift, aside, width);
-            self.paths.push(ToolPath { layer: 2 * list.layer + 1, curve: k as u32, closed: false, waypoints });
+            self.paths.push(ToolPath {
+                layer: list.layer.saturating_mul(2).saturating_add(1),
+                curve: k as u32,
+                closed: false,
+                waypoints,
+            });
             self.strands.push(Some(Strand { layer: list.layer, tape: number, width }));
         }
     }
@@ -387,6 +392,9 @@ fn roller_depth(paths: &[ToolPath], tapes: &[LayerTapes], roller: &Roller) -> Op
 /// ([`SupportOptions::max_distance`]), since a tape's edge lies between corners.
 const BED_DISTANCE: f64 = 1.25;
 
+/// Most layer heights that beads may be long: twenty kilometres at 0.2 mm, and seconds of work.
+const MAX_BED_STEPS: f64 = 1e8;
+
 /// The part of the top of a layer on which tapes are bedded: at each corner of its triangles a bead of this layer or an earlier one is near below, and one of a later layer
 /// near above.
 ///
@@ -396,7 +404,7 @@ const BED_DISTANCE: f64 = 1.25;
 ///
 /// # Returns
 /// Points and triangles, in their order; a point at which what is left touches itself is there once for each side. Nothing for a height that is
-/// not above 0, or a corner that is not there.
+/// not above 0, a corner that is not there, or paths that are not finite or longer than 10^8 layer heights.
 ///
 /// # Cost
 /// Near linear in the corners and the length of the paths.
@@ -423,7 +431,12 @@ pub fn bedded_surface(
     paths: &[ToolPath],
     layer_height: f64,
 ) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
-    let is_sound = layer_height > 0.0 && layer_height.is_finite();
+    let bead_mm: f64 = paths
+        .iter()
+        .flat_map(|path| path.waypoints.windows(2))
+        .map(|pair| (pair[1].position - pair[0].position).norm())
+        .sum();
+    let is_sound = layer_height > 0.0 && layer_height.is_finite() && bead_mm <= MAX_BED_STEPS * layer_height;
     if !is_sound || triangles.iter().flatten().any(|&corner| corner as usize >= top.len()) {
         return (Vec::new(), Vec::new());
     }

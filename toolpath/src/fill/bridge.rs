@@ -19,6 +19,9 @@ const SHORT_RUN: f64 = 5.0;
 /// Places along a bead are this far apart, in widths.
 const STEP: f64 = 0.25;
 
+/// Most places along a segment: those of ten metres of a bead of 0.4 mm. Widths may be anything.
+const MAX_PLACES: f64 = 1e5;
+
 /// Says of points of skins that they are over sparse infill: [`BeadKind::Bridge`]. There the layer before has a surface, but no bead of
 /// anything solid. Short runs go with what is around them.
 pub(super) fn mark(layers: &mut [Option<FilledLayer>], surfaces: &[LayerSurface], bead: f64, stack: &LayerStack) {
@@ -41,7 +44,8 @@ pub(super) fn mark_support(
 fn of_support<'a>(layer: &Option<FilledLayer>, surface: &LayerSurface<'a>) -> BuiltLayer<'a> {
     let LayerSurface { vertices, triangles, thickness, .. } = *surface;
     let from = layer.as_ref().and_then(|layer| layer.support.as_ref()).map(|support| support.triangles);
-    let from = from.unwrap_or(triangles.len());
+    // The layer may have been made of another surface.
+    let from = from.unwrap_or(triangles.len()).min(triangles.len()).min(thickness.len());
     BuiltLayer { vertices, triangles: &triangles[from..], spacing: &thickness[from..], curves: &[] }
 }
 
@@ -93,7 +97,7 @@ struct Below<'a> {
 impl<'a> Below<'a> {
     fn new(paths: Vec<&'a SurfacePath>, surface: &LayerSurface, wanted: impl Fn(&SurfacePath) -> bool) -> Self {
         let most = ON * surface.thickness.iter().copied().fold(0.0, f64::max);
-        let mut near = Segments::new(4.0 / 3.0 * most);
+        let mut near = Segments::within(most, paths.iter().copied().filter(|path| wanted(path)));
         for (number, path) in (0..).zip(&paths).filter(|(_, path)| wanted(path)) {
             (0..path.segments())
                 .for_each(|k| near.add(path.segment(k).map(|point| point.at.position), [number, k as u32]));
@@ -171,7 +175,7 @@ impl Bridges {
             }
             let reach = ON * thickness(surface, from.at.triangle);
             let way = to.at.position - from.at.position;
-            let steps = (way.norm() / (STEP * from.width)).ceil().max(1.0);
+            let steps = (way.norm() / (STEP * from.width)).ceil().clamp(1.0, MAX_PLACES);
             for step in 0..steps as usize {
                 let p = from.at.position + way * ((step as f64 + 0.5) / steps);
                 if below.carries(p, reach) {

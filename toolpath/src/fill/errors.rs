@@ -56,6 +56,12 @@ pub enum FillLayersError {
         /// How many there are.
         layers: usize,
     },
+    /// Surfaces of an estimate stand for no layers, or for any number.
+    #[error("each surface stands for {layers_each} layers: it must be above 0 and finite")]
+    LayersEach {
+        /// What was given.
+        layers_each: f64,
+    },
     /// The curves cannot be ordered.
     #[error(transparent)]
     Order(OrderError),

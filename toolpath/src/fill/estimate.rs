@@ -2,7 +2,7 @@
 
 use super::errors::FillLayersError;
 use crate::layer::LayerSurface;
-use crate::path::PathOptions;
+use crate::path::{POINTS_A_BEAD, PathOptions};
 
 /// What the beads of all surfaces will take, before any work is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,9 +44,6 @@ pub fn estimate_fill(surfaces: &[LayerSurface], bead: f64) -> FillEstimate {
     let path_mm = area_mm2 / bead;
     FillEstimate { area_mm2, path_mm, points: path_mm * POINTS_A_BEAD / bead }
 }
-
-/// Points of a curve along the width of a bead, about: levels are followed to an eightieth of it.
-const POINTS_A_BEAD: f64 = 2.0;
 
 /// Refuses beads whose points would not fit into memory.
 pub(super) fn check_size(surfaces: &[LayerSurface], options: &PathOptions) -> Result<(), FillLayersError> {

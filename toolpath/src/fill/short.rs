@@ -97,10 +97,12 @@ fn fill_parts(paths: &mut LayerPaths, surface: &LayerSurface) -> Result<(), Mesh
         return Ok(());
     }
     let parts = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec())?.regions();
-    let part = |at: &SurfacePoint| parts.of_triangle[at.triangle as usize] as usize;
+    // None where the layer was made of another surface.
+    let part = |at: &SurfacePoint| parts.of_triangle.get(at.triangle as usize).map(|&part| part as usize);
     let mut filled = vec![false; parts.count];
-    paths.paths.iter().flat_map(|path| &path.points).for_each(|point| filled[part(&point.at)] = true);
-    paths.unfilled.retain(|unfilled| !filled[part(&unfilled.at)]);
+    let points = paths.paths.iter().flat_map(|path| &path.points);
+    points.filter_map(|point| part(&point.at)).for_each(|part| filled[part] = true);
+    paths.unfilled.retain(|unfilled| part(&unfilled.at).is_none_or(|part| !filled[part]));
     Ok(())
 }
 

@@ -8,7 +8,7 @@
 //!
 //! The search for the worst point goes down the tree, box by box, and on into triangles, which it halves across their longest
 //! side. A box or piece is passed over if none of its points can be worse than the worst so far: clearance
-//! changes by no more than a point moves. Pieces smaller than [`PIECE`] layers are taken for their middle. So if nothing is
+//! changes by no more than a point moves. Pieces smaller than [`PIECE`] layers, or a micrometre, are taken for their middle. So if nothing is
 //! found, the nozzle is nowhere deeper than allowed plus that share of a layer; but between sheets, a quarter of a
 //! layer apart, the edge of the tip may enter the side of a layer a twentieth of a layer more.
 //!
@@ -22,6 +22,10 @@ use nalgebra::{Point3, UnitVector3, Vector3};
 /// Radius in layer heights below which a piece of a triangle is taken for its middle: a hundredth of a millimetre or two.
 /// A quarter layer is allowed, so a fiftieth is little. Less takes longer near contact, more proves less.
 pub(super) const PIECE: f64 = 0.02;
+
+/// The same in millimetres at least, so that layers of hardly any thickness are not cut up without end: what a layer of 0.05 mm has. No machine
+/// places its tip more exactly.
+const MIN_PIECE_MM: f64 = 1e-3;
 
 /// A worse point counts if it is worse by this share: the search for a cut need not be exact. With 0.1 it takes a twentieth longer.
 const ROUGH: f64 = 0.4;
@@ -202,7 +206,7 @@ impl Seeker<'_> {
             }
         }
         let radius = to_corners.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt();
-        if least >= self.bound || radius <= PIECE * triangle.height {
+        if least >= self.bound || radius <= (PIECE * triangle.height).max(MIN_PIECE_MM) {
             return false;
         }
         let sides = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).norm_squared());

@@ -51,7 +51,8 @@ pub(crate) fn sites<'a>(
     let stack = (skin > 0).then(|| LayerStack::with_curves(surfaces.iter().map(built).collect())).transpose()?;
     let whole: Vec<u32> = (0..).zip(surfaces).filter(|(_, surface)| !surface.is_half).map(|(layer, _)| layer).collect();
     let work = |layer: usize, surface: &LayerSurface| {
-        if !is_wanted(layer) {
+        // A surface with a corner that is not there is refused where it is filled.
+        if !is_wanted(layer) || surface.triangles.iter().flatten().any(|&v| v as usize >= surface.vertices.len()) {
             return None;
         }
         let number = whole.partition_point(|&other| (other as usize) < layer);

@@ -32,7 +32,7 @@ impl<'a> From<(&'a [Point3<f64>], &'a [[u32; 3]], &'a [f64], bool)> for LayerSur
 
 impl LayerSurface<'_> {
     /// The points of the top of the layer: each vertex half of the thickness around it up, along the mean normal of its triangles by area.
-    /// A vertex of no triangle stays.
+    /// A vertex of no triangle stays; a triangle with a vertex that is not there, or without a thickness, counts for nothing.
     ///
     /// # Cost
     /// `O(n)` for `n` triangles.
@@ -48,8 +48,7 @@ impl LayerSurface<'_> {
     pub fn top(&self) -> Vec<Point3<f64>> {
         // Normal, area, and thickness by area, around each vertex.
         let mut around = vec![(Vector3::zeros(), 0.0, 0.0); self.vertices.len()];
-        for (corners, thickness) in self.triangles.iter().zip(self.thickness) {
-            let [a, b, c] = corners.map(|corner| self.vertices[corner as usize]);
+        for (corners, [a, b, c], thickness) in self.whole() {
             let normal = (b - a).cross(&(c - a));
             for &corner in corners {
                 let (sum, area, heights) = &mut around[corner as usize];
@@ -67,10 +66,15 @@ impl LayerSurface<'_> {
 
     /// Area by thickness, in cubic millimetres.
     pub(crate) fn volume(&self) -> f64 {
-        let of = |(corners, thickness): (&[u32; 3], &f64)| {
-            let [a, b, c] = corners.map(|corner| self.vertices[corner as usize]);
-            (b - a).cross(&(c - a)).norm() / 2.0 * thickness
-        };
-        self.triangles.iter().zip(self.thickness).map(of).sum()
+        self.whole().map(|(_, [a, b, c], thickness)| (b - a).cross(&(c - a)).norm() / 2.0 * thickness).sum()
+    }
+
+    /// The triangles that have all their vertices, with these and their thickness.
+    fn whole(&self) -> impl Iterator<Item = (&[u32; 3], [Point3<f64>; 3], f64)> {
+        let at = |corner: u32| self.vertices.get(corner as usize).copied();
+        self.triangles.iter().zip(self.thickness).filter_map(move |(corners, &thickness)| {
+            let [a, b, c] = *corners;
+            Some((corners, [at(a)?, at(b)?, at(c)?], thickness))
+        })
     }
 }

@@ -55,6 +55,21 @@ pub enum PathError {
         /// The greatest distance from the boundary.
         reach: f64,
     },
+    /// The beads are so narrow that their points would not fit into memory.
+    #[error(
+        "a bead of {bead} mm takes some {points:.1e} points on {area_mm2:.0} mm2, above the limit of {most}: take a wider bead, or raise \
+         PathOptions::max_points"
+    )]
+    TooManyPoints {
+        /// The width that was asked for, in millimetres.
+        bead: f64,
+        /// Area of the surface.
+        area_mm2: f64,
+        /// Points that they would take, about.
+        points: f64,
+        /// The limit.
+        most: usize,
+    },
     /// The distance is not that to the whole boundary.
     #[error("a level set ends at the boundary: paths need the distance to the whole boundary")]
     NotToBoundary,

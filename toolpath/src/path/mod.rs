@@ -15,5 +15,6 @@ pub use error::PathError;
 pub use infill::{InfillOptions, InfillPattern};
 pub use kind::BeadKind;
 pub use layer::{LayerPaths, Unfilled, UnfilledReason};
+pub(crate) use options::POINTS_A_BEAD;
 pub use options::{PathOptions, Pattern};
 pub use points::{PathPoint, SurfacePath};

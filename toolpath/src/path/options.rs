@@ -43,7 +43,7 @@ pub struct PathOptions {
     /// layers would else lie on nothing there: 0.5 by default, from 0.25 to 0.75, with which they stay bare. Strips on which nothing
     /// lies do in any case. For fitted beads alone: uniform ones lie in strips of half their width.
     pub min_width: f64,
-    /// All layers together are refused before any work is done if their curves would have more points than this, by
+    /// All layers together, and each alone, are refused before any work is done if their curves would have more points than this, by
     /// [`estimate_fill`](crate::fill::estimate_fill): 2^25 by default, for which some 5 GB are enough.
     pub max_points: usize,
     /// What is solid and what is not: all is, by default. [`LevelField::paths`](crate::level_set::LevelField::paths) fills a surface solid in any case; the rest is for
@@ -54,6 +54,9 @@ pub struct PathOptions {
     /// nearly as long as the paths.
     pub coverage: bool,
 }
+
+/// Points of a curve along the width of a bead, about: levels are followed to an eightieth of it.
+pub(crate) const POINTS_A_BEAD: f64 = 2.0;
 
 impl Default for PathOptions {
     fn default() -> Self {

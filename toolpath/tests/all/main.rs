@@ -17,6 +17,7 @@ mod drawing_surface;
 mod drawing_svg;
 mod drawing_unrolled;
 mod estimate;
+mod every_function;
 mod fiber_fields;
 mod fiber_files;
 mod fiber_stripes;
