@@ -46,7 +46,6 @@ mod parallel;
 pub mod path;
 pub mod plan;
 mod progress;
-mod quick;
 pub mod shell;
 mod sparse;
 pub mod statistics;

@@ -8,15 +8,7 @@
 use super::deepest::{Scene, Seeker, Stand};
 use super::nozzle::Sway;
 use crate::layer::{Node, Triangle};
-use crate::orientation::angle;
-use nalgebra::{Point3, UnitVector3};
-use std::cell::Cell;
-
-/// A way is this much wider than its poses, in millimetres and radians.
-const TO_SPARE: f64 = 1e-9;
-
-/// A tip and a direction.
-pub(crate) type TipPose = (Point3<f64>, UnitVector3<f64>);
+use nalgebra::UnitVector3;
 
 /// Poses of a nozzle on a way: none of them is farther from one of them than this.
 #[derive(Clone, Copy, Debug)]
@@ -27,35 +19,6 @@ pub(crate) struct Way {
     pub moves: [f64; 2],
     /// How far the direction turns, in radians.
     pub turns: f64,
-}
-
-impl Way {
-    /// The way around some poses, seen from one of them, with what has a key below `before`.
-    pub fn around(poses: &[TipPose], from: TipPose, before: u32, allowed: f64) -> Way {
-        let (tip, direction) = from;
-        let mut way = Way { stand: Stand { tip, before, allowed }, direction, moves: [0.0; 2], turns: 0.0 };
-        for pose in poses {
-            let ([along, across], turns) = way.offset_to(pose);
-            way.moves = [way.moves[0].max(along), way.moves[1].max(across)];
-            way.turns = way.turns.max(turns);
-        }
-        way.moves = way.moves.map(|moves| moves + TO_SPARE);
-        way.turns += TO_SPARE;
-        way
-    }
-
-    /// Whether a pose is on the way. With two poses all between them are, as directions turn evenly.
-    pub fn has(&self, pose: &TipPose) -> bool {
-        let ([along, across], turns) = self.offset_to(pose);
-        along <= self.moves[0] && across <= self.moves[1] && turns <= self.turns
-    }
-
-    /// How far a pose is from the middle, along the direction and across it, and how far it is turned.
-    fn offset_to(&self, (tip, direction): &TipPose) -> ([f64; 2], f64) {
-        let to = tip - self.stand.tip;
-        let along = to.dot(&self.direction);
-        ([along.abs(), (to.norm_squared() - along * along).max(0.0).sqrt()], angle(&self.direction, direction))
-    }
 }
 
 /// A seeker whose nozzle moves: what no pose on the way comes near does not matter.
@@ -103,29 +66,16 @@ impl Scene<'_> {
         Sweeper { at: self.seeker(stand, &direction, 0.0, true), along, across, turns }
     }
 
-    /// The triangles that a nozzle may gouge on a way, for [`Scene::is_free_of`]; whether these are all: no more than `most` are looked for.
-    pub fn near(&self, way: &Way, most: usize, near: &mut Vec<u32>) -> bool {
+    /// The triangles that a nozzle may gouge on a way: for [`Scene::is_free_of`].
+    pub fn near(&self, way: &Way, near: &mut Vec<u32>) {
         near.clear();
         let sweeper = self.sweeper(way);
-        let is_full = Cell::new(false);
-        let passes = |node: &Node| is_full.get() || sweeper.clears_box(node);
-        self.stack.tree.each(self.keys, way.stand.before, passes, |number, triangle| {
+        let clears = |node: &Node| sweeper.clears_box(node);
+        self.stack.tree.each(self.keys, way.stand.before, clears, |number, triangle| {
             if !sweeper.clears(triangle) {
-                is_full.set(near.len() >= most);
                 near.push(number);
             }
         });
-        !is_full.get()
-    }
-
-    /// Those of some triangles that a nozzle may gouge on a way.
-    pub fn near_of(&self, some: &[u32], way: &Way, near: &mut Vec<u32>) {
-        let sweeper = self.sweeper(way);
-        let triangles = self.stack.tree.triangles();
-        let is_there = |number: &u32| self.keys.of_triangle[*number as usize] < way.stand.before;
-        let all = some.iter().copied().filter(is_there);
-        near.clear();
-        near.extend(all.filter(|&number| !sweeper.clears(&triangles[number as usize])));
     }
 }
 
@@ -200,24 +150,13 @@ mod tests {
                 let turns = far(&|k| direction(k).angle(&axis));
                 Way { stand: stand(middle), direction: axis, moves: [along, across], turns }
             };
-            // All poses in one walk, and what of that is near each way.
-            let poses: Vec<TipPose> = (0..8).map(|k| (tip(k), direction(k))).collect();
-            let whole = Way::around(&poses, poses[4], before, 0.2);
-            prop_assert!(poses.iter().all(|pose| whole.has(pose)));
-            let (mut all, mut near, mut some, mut work) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            prop_assert!(scene.near(&whole, usize::MAX, &mut all));
+            let (mut near, mut work) = (Vec::new(), Vec::new());
             for (from, to) in [(0, 1), (2, 4), (5, 7), (0, 7)] {
-                prop_assert!(scene.near(&way(from, to), usize::MAX, &mut near));
-                scene.near_of(&all, &way(from, to), &mut some);
+                scene.near(&way(from, to), &mut near);
                 for pose in from..=to {
                     let is_free = scene.is_free(stand(pose), &direction(pose), &mut work);
                     prop_assert_eq!(scene.is_free_of(&near, stand(pose), &direction(pose)), is_free, "{} of {}", pose, from);
-                    prop_assert_eq!(scene.is_free_of(&some, stand(pose), &direction(pose)), is_free, "{} of {}, of all", pose, from);
                 }
-                // Ended early where there are more, which it says.
-                let count = near.len();
-                prop_assert_eq!(scene.near(&way(from, to), count, &mut near), true);
-                prop_assert_eq!(count > 0 && scene.near(&way(from, to), count - 1, &mut near), false);
             }
         }
     }

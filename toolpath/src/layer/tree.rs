@@ -7,7 +7,6 @@ use super::slab::Slab;
 use super::split::{Place, split};
 use super::triangle::Triangle;
 use crate::mesh::on_triangle;
-use crate::quick::min;
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
 
@@ -306,9 +305,8 @@ impl Node {
     }
 
     /// How far the triangles reach from the middle along a vector, times its length.
-    #[inline]
     pub fn reach(&self, along: Vector3<f64>) -> f64 {
-        min(self.half.dot(&along.abs()), self.slab.reach(along, self.half))
+        self.half.dot(&along.abs()).min(self.slab.reach(along, self.half))
     }
 
     fn range(&self) -> Range<usize> {

@@ -16,14 +16,12 @@ impl Walker<'_> {
     pub(super) fn divide(&mut self) -> bool {
         let old = std::mem::take(&mut self.steps);
         let mut any = false;
-        for (k, &step) in old.iter().enumerate() {
-            let mut step = step;
+        for mut step in old {
             if let Some(last) = self.steps.last().filter(|last| !(last.stuck || step.stuck)).copied() {
                 let ends = [&last, &step].map(|step| step.waypoint.axis);
                 // What was found free stays free while neither end turns.
                 if step.looked != Some(ends) {
                     self.points.clear();
-                    self.swath.look(self.scene, &old[k.saturating_sub(1)..], self.options.allowed_depth);
                     self.gather(&last, &step, last.before);
                     let is_free = self.near.is_empty() && self.is_above_plate(&last, &step);
                     let put = !is_free && LOOKS.iter().any(|share| self.put_between(&last, &step, *share));
@@ -73,10 +71,8 @@ impl Walker<'_> {
     /// What the nozzle may gouge from one waypoint to another, both included, with what has a key below `before`.
     pub(super) fn gather(&mut self, last: &Step, step: &Step, before: u32) {
         self.near.clear();
-        let Some(way) = self.way(last, step, before) else { return };
-        match self.swath.near([last, step], before) {
-            Some(some) => self.scene.near_of(some, &way, &mut self.near),
-            None => _ = self.scene.near(&way, usize::MAX, &mut self.near),
+        if let Some(way) = self.way(last, step, before) {
+            self.scene.near(&way, &mut self.near);
         }
     }
 

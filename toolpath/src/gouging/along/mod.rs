@@ -23,7 +23,6 @@
 mod legs;
 mod ramps;
 mod single;
-mod swath;
 mod turned;
 mod turns;
 
@@ -35,7 +34,6 @@ use super::tilt::Points;
 use crate::layer::DirectionHints;
 use crate::orientation::{TURN_ROUNDING, ToolPath, Waypoint, angle};
 use nalgebra::{UnitVector3, Vector3};
-use swath::Swath;
 use turned::Turned;
 
 /// How often points are put between: each time as many as an even turn needs, so more than once only where the new ones
@@ -99,9 +97,8 @@ struct Walker<'a> {
     points: Points,
     /// What step 7 has turned.
     turned: Turned,
-    /// What is near a way, and near those around it.
+    /// What is near a way.
     near: Vec<u32>,
-    swath: Swath,
 }
 
 /// Tilts the waypoints of a path that gouge, each by itself.
@@ -225,7 +222,6 @@ impl<'a> Walker<'a> {
             stack: Vec::new(),
             points: Points::default(),
             near: Vec::new(),
-            swath: Swath::default(),
         }
     }
 }

@@ -32,7 +32,6 @@ impl Walker<'_> {
             // What is near the way is gathered once for its end and for what lies between.
             let is_free = if shares {
                 let [last, step] = [k - 1, k].map(|k| self.steps[k]);
-                self.swath.look(self.scene, &self.steps[k - 1..], self.options.allowed_depth);
                 self.gather(&last, &step, step.before);
                 let is_free = self.scene.is_free_of(&self.near, self.stand(k), &direction);
                 if is_free && self.is_free_between(&last, &step) {

@@ -3,7 +3,6 @@
 //! Each distance to a line of the nozzle (see the module above) is convex in space, so it is nowhere less than its tangent at the middle of a body.
 
 use super::Nozzle;
-use crate::quick::{max, min};
 use nalgebra::Vector3;
 
 /// How far a nozzle may be from a pose, to all sides, in millimetres: in the plane of the axis and a point.
@@ -41,8 +40,8 @@ impl Nozzle {
         let [by_along, by_across, by_side] = self.swayed(sway);
         let (up, down) = (extent.up + by_along, extent.down + by_along);
         let side = (rho - self.tip_radius) * self.cos - z * self.sin - by_side;
-        let cone = max(max(-z - up, z - self.cone_height - down), side - extent.into_cone);
-        min(cone, max(self.cone_height - z - up, rho - self.block_radius - extent.inward - by_across))
+        let cone = (-z - up).max(z - self.cone_height - down).max(side - extent.into_cone);
+        cone.min((self.cone_height - z - up).max(rho - self.block_radius - extent.inward - by_across))
     }
 
     /// How far the flat ends, the side of the block and that of the cone move against a point.
@@ -57,14 +56,12 @@ impl Nozzle {
     /// The tangent at the middle is least at a corner.
     pub(in crate::gouging) fn least_over(&self, z: f64, rho: f64, sway: &Sway, corners: [[f64; 2]; 3]) -> f64 {
         let [by_along, by_across, by_side] = self.swayed(sway);
-        let least = |up: f64, out: f64| {
-            let [a, b, c] = corners.map(|[z, rho]| up * z + out * rho);
-            min(min(a, b), c)
-        };
+        let least =
+            |up: f64, out: f64| corners.map(|[z, rho]| up * z + out * rho).into_iter().fold(f64::INFINITY, f64::min);
         let side = (rho - self.tip_radius) * self.cos - z * self.sin + least(-self.sin, self.cos) - by_side;
         let (lower, upper) = (least(-1.0, 0.0) - by_along, least(1.0, 0.0) - by_along);
-        let cone = max(max(lower - z, side), z - self.cone_height + upper);
-        min(cone, max(self.cone_height - z + lower, rho - self.block_radius + least(0.0, 1.0) - by_across))
+        let cone = (lower - z).max(side).max(z - self.cone_height + upper);
+        cone.min((self.cone_height - z + lower).max(rho - self.block_radius + least(0.0, 1.0) - by_across))
     }
 
     /// A bound as [`Nozzle::least_over`], closer where a triangle lies across the edge of the tip or of the block: there each of the two
@@ -88,7 +85,7 @@ impl Nozzle {
 fn least_of_larger(one: [f64; 3], other: [f64; 3]) -> f64 {
     let least = |share: f64| {
         let at = |k: usize| other[k] + share * (one[k] - other[k]);
-        min(min(at(0), at(1)), at(2))
+        at(0).min(at(1)).min(at(2))
     };
     // Concave and piecewise linear in the share: the most is at an end, or where two corners are level.
     let level = [[0, 1], [1, 2], [2, 0]].map(|[i, j]| {

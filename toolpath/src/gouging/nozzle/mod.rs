@@ -27,7 +27,6 @@ mod bounds;
 
 pub(super) use bounds::{Extent, Sway};
 
-use crate::quick::{max, min};
 use nalgebra::{UnitVector3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -221,8 +220,8 @@ impl Nozzle {
     /// # Arguments
     /// * `z`: height above the tip along the direction; `rho`: distance from the axis.
     pub fn clearance(&self, z: f64, rho: f64) -> f64 {
-        let cone = max(max(-z, (rho - self.tip_radius) * self.cos - z * self.sin), z - self.cone_height);
-        min(cone, max(self.cone_height - z, rho - self.block_radius))
+        let cone = (-z).max((rho - self.tip_radius) * self.cos - z * self.sin).max(z - self.cone_height);
+        cone.min((self.cone_height - z).max(rho - self.block_radius))
     }
 
     /// The part that a point is in or near: within the height of the cone, whichever of the tip flat and the side of the
