@@ -19,6 +19,7 @@ mod feature_pairs;
 mod gallery;
 mod input_files;
 mod jerk_motion;
+mod long;
 mod mesh;
 mod mesh_doubts;
 mod mesh_formats;

@@ -4,6 +4,7 @@
 mod every_function;
 mod hull2_oracle;
 mod hull3_oracle;
+mod long;
 mod plane;
 mod questions;
 mod regressions;

@@ -14,6 +14,7 @@ mod growing_scene;
 mod limits;
 mod link;
 mod link_bodies;
+mod long;
 mod machine;
 mod part_place;
 mod placement;

@@ -110,7 +110,7 @@ pub(super) fn tilted<'a>(
     hints: &'a DirectionHints,
 ) -> Tilted<'a> {
     let mut walker = Walker::new(scene, path, start, options, hints);
-    walker.tilt();
+    walker.tilt(usize::MAX);
     Tilted(walker)
 }
 
@@ -136,9 +136,7 @@ impl<'a> Tilted<'a> {
                 return None;
             }
         }
-        walker.tilt();
-        let reversed = Tilted(walker);
-        (reversed.left() < most).then_some(reversed)
+        walker.tilt(most).then_some(Tilted(walker))
     }
 
     /// Sets the path free; `layer` is the number of the first waypoint of its layer.

@@ -14,9 +14,14 @@ const DEEPER_STEP: f64 = 0.05;
 const LIFT_STEP: f64 = 0.025;
 
 impl Walker<'_> {
-    /// Step 1. The way to a waypoint and both its ends share one look, and a way that is free is not looked at again in step 6.
-    pub(super) fn tilt(&mut self) {
+    /// Step 1, unless it leaves `most` waypoints or more: then it ends, and says no. The way to a waypoint and both its ends share one look, and a way that is
+    /// free is not looked at again in step 6.
+    pub(super) fn tilt(&mut self, most: usize) -> bool {
+        let mut left = self.steps.iter().filter(|step| step.is_left()).count();
         for k in 0..self.steps.len() {
+            if left >= most {
+                return false;
+            }
             if self.steps[k].gouged {
                 continue;
             }
@@ -38,8 +43,10 @@ impl Walker<'_> {
             };
             if !is_free {
                 self.tilt_at(k);
+                left += usize::from(self.steps[k].is_left());
             }
         }
+        left < most
     }
 
     /// Tilts a waypoint that gouges.

@@ -382,7 +382,7 @@ mod tests {
             let options = GougingOptions { max_turn_per_mm, max_tilt: 1.0, ..GougingOptions::default() };
             let hints = DirectionHints::default();
             let mut walker = Walker::new(&scene, &path(draw), 5, &options, &hints);
-            walker.tilt();
+            walker.tilt(usize::MAX);
             stuck += usize::from(walker.steps.iter().any(|step| step.stuck));
             let axes = |walker: &Walker| walker.steps.iter().map(|step| step.waypoint.axis).collect::<Vec<_>>();
             let given = walker.steps.clone();
