@@ -280,7 +280,7 @@ fn feed_growing<const N: usize, const F: usize, W: Workcell<N, F>>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn growing_scenes_take_anything(dims in prop::array::uniform3(prop::sample::select(vec![0, 1, 2, 70, u32::MAX])), rows in prop::collection::vec(any::<u64>(), 0..9), cell_mm in number(), origin in point(), frame in pose(), layers in prop::collection::vec(prop::collection::vec(index(), 0..4), 0..3), joints in [joints(), joints(), joints(), joints()], which in [index(), index()], value in bad(), plate in number()) {
