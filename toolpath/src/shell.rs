@@ -24,6 +24,9 @@ const MAX_POINTS: usize = 100_000_000;
 /// Beads are followed outward in steps of this share of the smallest rim, then to a hundredth of that.
 const OUTWARD: f64 = 0.25;
 
+/// So many steps at most, so that a bead of hardly any width does not take any number of them.
+const MAX_STEPS: f64 = 1e4;
+
 /// Triangles of a task for a thread.
 const CHUNK: usize = 512;
 
@@ -269,7 +272,7 @@ impl Beads<'_> {
         if gap >= 0.0 {
             return gap;
         }
-        let step = OUTWARD * self.min_rim;
+        let step = (OUTWARD * self.min_rim).max(self.bare_mm / MAX_STEPS);
         let (mut inside, mut outside) = (0.0, step);
         while self.gap(at + normal * outside) < 0.0 {
             if outside >= self.bare_mm {

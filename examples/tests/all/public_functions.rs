@@ -2,7 +2,7 @@
 //! line, behind a bar why it may panic. A new function that is not listed fails here, and so does one that is listed and not called.
 //!
 //! Functions are those that a user can reach, read from the sources. Names that can be reached are what `lib.rs` and its public modules re-export
-//! (`pub use`) or define. A public function counts if its own name is one of them, and one of an `impl` block if the name of the type is, unless the file
+//! (`pub use`) or define, public modules within private ones among them. A public function counts if its own name is one of them, and one of an `impl` block if the name of the type is, unless the file
 //! has a type of that name for itself (`pub(super)`, `pub(crate)`). Left out by this: what stands in private modules and is not re-exported, also where a
 //! public function returns it, functions of traits, which the user writes or which are called by what takes the trait, and those behind macros.
 
@@ -34,13 +34,33 @@ fn exported(file: &Path, folder: &Path, names: &mut BTreeSet<String>) {
     for used in code.join("\n").split("\npub use ").skip(1) {
         let used = used.split(';').next().unwrap();
         assert!(!used.contains('*'), "{}: `pub use` of all names: write them out", file.display());
-        names.extend(used.split([',', '{', '}']).map(|name| name.trim().rsplit("::").next().unwrap().to_string()));
+        let (from, list) = used.split_once('{').unwrap_or(("", used));
+        for name in list.split([',', '{', '}']).map(|name| name.trim().split(" as ").next().unwrap()) {
+            names.insert(name.rsplit("::").next().unwrap().to_string());
+            let path = format!("{from}{name}");
+            let (parent, module) = path.rsplit_once("::").unwrap_or(("", &path));
+            let parent = folder.join(parent.replace("::", "/"));
+            if parent != folder && public_modules(&parent.join("mod.rs")).iter().any(|public| public == module) {
+                of_module(module, &parent, names);
+            }
+        }
     }
-    for module in code.iter().filter_map(|line| after(line, &["pub mod "])) {
-        let inside = folder.join(module);
-        let [alone, with_others] = [folder.join(format!("{module}.rs")), inside.join("mod.rs")];
-        exported(if alone.exists() { &alone } else { &with_others }, &inside, names);
+    for module in public_modules(file) {
+        of_module(&module, folder, names);
     }
+}
+
+/// Adds the names that a module in a folder shows.
+fn of_module(module: &str, folder: &Path, names: &mut BTreeSet<String>) {
+    let inside = folder.join(module);
+    let [alone, with_others] = [folder.join(format!("{module}.rs")), inside.join("mod.rs")];
+    exported(if alone.exists() { &alone } else { &with_others }, &inside, names);
+}
+
+/// The modules that a file says are public; none where there is no file.
+fn public_modules(file: &Path) -> Vec<String> {
+    let code = if file.exists() { code_of(file) } else { Vec::new() };
+    code.iter().filter_map(|line| after(line, &["pub mod "])).map(String::from).collect()
 }
 
 /// The type whose `impl` block begins in a line; empty for a trait's.
@@ -139,4 +159,9 @@ fn functions_of_trajectory_are_fed() {
 #[test]
 fn functions_of_toolpath_are_fed() {
     each_is_fed("toolpath");
+}
+
+#[test]
+fn functions_of_kinematics_are_fed() {
+    each_is_fed("kinematics");
 }

@@ -21,10 +21,10 @@ pub struct MeasuredPose {
 pub struct FitOptions {
     /// Which numbers. Default: all.
     pub scope: FitScope,
-    /// A radian of a measured rotation counts as so many millimetres: the error of positions over that of angles of the device. Default 200: a
+    /// A radian of a measured rotation counts as so many millimetres: the error of positions over that of angles of the device. From 1e-6 to 1e6, default 200: a
     /// tracker with 0.02 mm and 0.1 mrad.
     pub radian_mm: f64,
-    /// The amplification from which a direction is open: with 100, an error of 0.1 mm would be 10 mm in a length. Default 100.
+    /// The amplification from which a direction is open: with 100, an error of 0.1 mm would be 10 mm in a length. From 1e-6 to 1e6, default 100.
     pub open: f64,
     /// Iterations at most. Default 50; five are usual.
     pub max_iterations: usize,
@@ -153,7 +153,7 @@ pub enum FitError {
     #[error("all poses have one orientation of the flange: measure postures that are turned about two axes or more")]
     OneOrientation,
     /// An option is out of range.
-    #[error("`{option}` is {value}: it must be above 0 and finite")]
+    #[error("`{option}` is {value}: it must be from 1e-6 to 1e6")]
     Option {
         /// Its name.
         option: &'static str,

@@ -72,7 +72,7 @@ pub fn fit_arm(nominal: &ArmModel, poses: &[MeasuredPose], options: &FitOptions)
     guess.values = vec![0.0; problem.parameters.len()];
     let solved = problem.solve(&mut guess, options.max_iterations)?;
     let after = problem.residuals(&guess)?;
-    let (parameters, open) = problem.judged(&guess, &solved)?;
+    let (parameters, open) = problem.judged(&guess)?;
     let State { deviation, world_base, flange_target, .. } = guess;
     let Solved { iterations, is_converged, .. } = solved;
     Ok(ArmFit { deviation, world_base, flange_target, parameters, open, before, after, iterations, is_converged })

@@ -56,6 +56,9 @@ struct Linear {
     errors: DVector<f64>,
 }
 
+/// What weights and amplifications may be: squares of errors stay numbers.
+const OPTION: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
 impl<'a> Problem<'a> {
     pub fn new(
         nominal: &'a ArmModel,
@@ -64,7 +67,7 @@ impl<'a> Problem<'a> {
         options: &FitOptions,
     ) -> Result<Self, FitError> {
         for (option, value) in [("radian_mm", options.radian_mm), ("open", options.open)] {
-            if !(value > 0.0 && value.is_finite()) {
+            if !OPTION.contains(&value) {
                 return Err(FitError::Option { option, value });
             }
         }
@@ -218,8 +221,9 @@ impl<'a> Problem<'a> {
             let mut share = 1.0;
             loop {
                 let length = step.amax() * share;
-                if length <= STILL_MM {
-                    return Ok(Solved { iterations, is_converged: true });
+                // A step that is no number would be halved for ever.
+                if length.is_nan() || length <= STILL_MM {
+                    return Ok(Solved { iterations, is_converged: !length.is_nan() });
                 }
                 let next = self.stepped(state, &(&step * share));
                 // A step may leave what an arm can be: a shorter one does not.
@@ -256,12 +260,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The parameters with their errors, and what is open.
-    pub fn judged(
-        &self,
-        state: &State,
-        solved: &Solved,
-    ) -> Result<(Vec<FittedParameter>, Vec<OpenDirection>), FitError> {
-        debug_assert!(solved.iterations > 0 || solved.is_converged);
+    pub fn judged(&self, state: &State) -> Result<(Vec<FittedParameter>, Vec<OpenDirection>), FitError> {
         let linear = self.linear(state)?;
         let decomposed = self.decomposed(&linear);
         let rank = decomposed.rank();

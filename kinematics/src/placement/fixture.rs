@@ -228,7 +228,10 @@ impl<A: FnMut(usize, &Waypoint) -> Option<Assessment>, F: FnMut(&Point3<f64>) ->
                 return Ok(());
             }
         }
-        self.best = Some((score, *place));
+        // Without waypoints, all places are alike.
+        if self.best.is_none() || !self.waypoints.is_empty() {
+            self.best = Some((score, *place));
+        }
         Ok(())
     }
 }

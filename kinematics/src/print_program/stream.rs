@@ -33,6 +33,9 @@ pub struct StreamOptions {
 /// How much earlier signals of a stream come at most, in seconds: as in RAPID. As many ticks are held in memory.
 const MAX_EARLY_S: f64 = 0.5;
 
+/// Longer legs are no motions: thirty years. So ticks can be counted through all legs.
+const MAX_LEG_S: f64 = 1e9;
+
 impl Default for StreamOptions {
     fn default() -> Self {
         StreamOptions { rate: ServoRate::Hz125, same_speed: 2e-3, lag_s: 0.0 }
@@ -47,7 +50,7 @@ impl Default for StreamOptions {
 ///
 /// # Arguments
 /// * `ends`: the first and the last posture.
-/// * `legs`: one after the other, each beginning where the one before ends.
+/// * `legs`: one after the other, each beginning where the one before ends. Those that take no time, or more than 10^9 s, are left out.
 ///
 /// # Cost
 /// Constant memory; each tick asks for the joints once and for the filament twice.
@@ -73,7 +76,7 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
     let period = rate.seconds();
     let first = by_joints(ends[0], None);
     let mut begin = 0.0;
-    let legs = legs.into_iter().filter(|leg| leg.duration_s > 0.0 && leg.duration_s.is_finite());
+    let legs = legs.into_iter().filter(|leg| leg.duration_s > 0.0 && leg.duration_s <= MAX_LEG_S);
     let along = legs.flat_map(move |leg| {
         let (from, to) = (begin, begin + leg.duration_s);
         begin = to;
@@ -84,7 +87,8 @@ pub fn print_stream<J: Fn(f64) -> [f64; 6], L: Fn(f64) -> f64>(
         let mut speed = 0.0;
         // The leg has no tick at or after the times of the others.
         let last = (to / period).floor() as u64;
-        let last = if of_leg(&(last + 1)) { last + 1 } else { last };
+        let next = last.saturating_add(1);
+        let last = if of_leg(&next) { next } else { last };
         let until = if last < first { f64::NEG_INFINITY } else { last as f64 * period - from };
         let switched = |TimedSignal { signal, on, .. }| Step::Signal { signal, on };
         let split = leg.signals.partition_point(|signal| signal.time_s <= until);

@@ -8,6 +8,7 @@ mod calibration;
 mod catalogue;
 mod common;
 mod dome_print;
+mod every_function;
 mod extremes;
 mod fixture;
 mod growing_scene;

@@ -182,6 +182,12 @@ pub(super) fn quartered(mesh: &SurfaceMesh, longest: f64, most: usize) -> Option
     let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
     let too_long =
         |v: &[Point3<f64>], t: &[[u32; 3]]| t.iter().any(|t| edges(*t).iter().any(|&[a, b]| length(v, a, b) > longest));
+    // Each round halves all edges. What would be refused after many rounds is refused before the first.
+    let edge = triangles.iter().flat_map(|&t| edges(t)).map(|[a, b]| length(&vertices, a, b)).fold(0.0, f64::max);
+    let rounds = ((edge / longest).log2() - 1e-9).ceil().max(0.0);
+    if rounds > 0.0 && triangles.len() as f64 * 4_f64.powf(rounds) > most as f64 {
+        return None;
+    }
     while too_long(&vertices, &triangles) {
         if triangles.len() > most / 4 {
             return None;

@@ -167,7 +167,8 @@ fn along(samples: &[Sample], in_hand: bool, options: &BlendOptions, steps: &mut 
             fed = Some(filament);
         }
         // Within what a writer makes of it for the TCP, so that the move takes its time where one of both nearly stands still.
-        let said_way = tip_way.clamp(way * SPEED_FACTORS[0], way * SPEED_FACTORS[1]);
+        // Ways that are no number stay so: the writer refuses their targets.
+        let said_way = if way.is_nan() { way } else { tip_way.clamp(way * SPEED_FACTORS[0], way * SPEED_FACTORS[1]) };
         let speed = Speed { mm_s: (said_way * share).max(options.min_speed_mm_s), ..Speed::default() };
         steps.push(Step::Move(Move { goal: Goal::Line(to.target), table: None, speed, zone: zones[k] }));
     }

@@ -131,13 +131,17 @@ fn begun_at(turns: &[f64], start: usize, k: usize) -> f64 {
 }
 
 impl TurnChoice {
+    /// Where a path of so many points begins.
+    fn start_among(&self, points: usize) -> usize {
+        if self.start < points { self.start } else { 0 }
+    }
+
     /// Puts what belongs to the points of a path into the order in which it is followed. Of a closed path the first comes again at
-    /// the end.
+    /// the end. A start beyond the path counts as its first point.
     pub fn ordered<T: Copy>(&self, points: &[T]) -> Vec<T> {
-        let mut out: Vec<T> = if self.start == 0 {
-            points.to_vec()
-        } else {
-            points[self.start..].iter().chain(&points[1..=self.start]).copied().collect()
+        let mut out: Vec<T> = match self.start_among(points.len()) {
+            0 => points.to_vec(),
+            start => points[start..].iter().chain(&points[1..=start]).copied().collect(),
         };
         if self.reversed {
             out.reverse();
@@ -147,7 +151,8 @@ impl TurnChoice {
 
     /// The same for the angles themselves, shifted.
     pub fn turned(&self, turns: &[f64]) -> Vec<f64> {
-        let mut out: Vec<f64> = (0..turns.len()).map(|k| begun_at(turns, self.start, k) + self.shift).collect();
+        let start = self.start_among(turns.len());
+        let mut out: Vec<f64> = (0..turns.len()).map(|k| begun_at(turns, start, k) + self.shift).collect();
         if self.reversed {
             out.reverse();
         }

@@ -248,7 +248,7 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
             Ok(*frame)
         };
         let frame = self.kept(frame)?;
-        self.deadline = self.deadline.or(Some(now + self.options.retry));
+        self.deadline = self.deadline.or(Some(now.saturating_add(self.options.retry)));
         Ok(Some(frame))
     }
 
@@ -302,7 +302,7 @@ impl<I: Iterator<Item = Result<LinkMessage, LinkError>>> LinkSender<I> {
         self.next = self.next.max(self.taken + 1);
         self.tries = 0;
         let open = !self.queue.is_empty() || self.obeyed < self.version;
-        self.deadline = open.then(|| now + self.options.retry);
+        self.deadline = open.then(|| now.saturating_add(self.options.retry));
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Arms: numbers of makers spoilt, any joints, any pose.
 
-use super::numbers::{bad, each_spoilt, joints, limits, number, point, pose, unit, vector};
+use super::numbers::{bad, each_spoilt, joints, limits, number, point, pose, rotation, unit, vector};
 use crate::common::ROBOTS;
 use curvlay_kinematics::nalgebra::{Isometry3, Matrix4, Point3, UnitVector3, Vector3};
 use curvlay_kinematics::program::{ConfData, krl_status_turn};
@@ -60,7 +60,7 @@ fn feed(arm: &Arm, given: &Given) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
     fn arms_take_anything(
@@ -95,5 +95,15 @@ proptest! {
         let _ = (pose_from_matrix(&matrix), pose_from_matrix(&Matrix4::from_iterator(entries)));
         matrix[cell] = value;
         let _ = pose_from_matrix(&matrix);
+    }
+
+    #[test]
+    fn names_take_anything(name in "[A-Za-z0-9_. -]{0,12}", odd in any::<String>(), turned in rotation(), at in 0..30usize) {
+        let known = robots::CATALOGUE[at % robots::CATALOGUE.len()];
+        prop_assert!(robots::find(known.name).is_some() && !known.maker.name().is_empty());
+        prop_assert!(!known.maker.shown(&turned).values.is_empty());
+        for name in [&name[..], &odd, &known.name[..known.name.len() / 2]] {
+            let _ = (robots::find(name), robots::near(name));
+        }
     }
 }

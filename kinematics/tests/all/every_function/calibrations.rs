@@ -25,7 +25,7 @@ fn sound_poses(arm: &Arm) -> Vec<MeasuredPose> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
     fn tips_take_anything(poses in prop::collection::vec(pose(), 0..7), spoilt in pose(), at in 0..9usize, robot in 0..6usize) {

@@ -32,7 +32,7 @@ fn feed_setup(setup: &Setup, joints: &[f64; 6], waypoint: &Waypoint, angle: f64,
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
     fn tables_and_tracks_take_anything(base in pose(), limits in limits::<2>(), table in [number(), number()], reference in [number(), number()], from in vector(), to in vector(), value in bad(), reach in number(), joint in number()) {

@@ -46,11 +46,6 @@ const CONDUCTOR: [fn(&mut ConductorOptions, f64); 4] = [
     |options, value| options.reach = value,
 ];
 
-/// Lines that are as near to each other as numbers allow are only slow.
-fn coarse(value: f64) -> f64 {
-    if value > 0.0 && value < 1e-2 { 0.5 } else { value }
-}
-
 /// A sheet of squares: `n` by `n`, a millimetre each.
 fn sheet(n: u32) -> Mesh {
     let at = |i: u32, j: u32| i + (n + 1) * j;
@@ -104,10 +99,10 @@ fn feed_field(field: DirectionField<'_>, value: f64, count: usize) {
     assert_eq!(field.directions().len(), field.mesh().vertices().len());
     let _ = (field.at(0, barycentric), field.at(0, [1.0; 3]), field.singularities());
     let sound = TapeOptions { width: 1.0, spacing: 1.5, min_radius: 1.0, min_length: 2.0, ..TapeOptions::default() };
-    for spacing in [1.0, coarse(value)] {
+    for spacing in [1.0, value] {
         let _ = stripes(&field, spacing, &go);
     }
-    for options in each_spoilt(&sound, &TAPE, coarse(value)) {
+    for options in each_spoilt(&sound, &TAPE, value) {
         if let Ok(plan) = lay_tapes(&field, &options, &go) {
             assert!(plan.tape_mm() >= 0.0 && plan.cuts() <= plan.tapes.len().max(count));
         }
@@ -150,16 +145,16 @@ proptest! {
             }
             for (guides, reach) in [(vec![middle.clone()], 1.0), (vec![guide.clone()], reach), (vec![middle.clone(), guide.clone()], value), (vec![], 1.0)] {
                 let _ = DirectionField::from_guides(mesh, &guides, reach).map(|field| feed_field(field, value, count));
-                for spacing in [1.0, coarse(value)] {
+                for spacing in [1.0, value] {
                     let _ = offset_lines(mesh, &guides, spacing, reach, &go);
                 }
-                for options in each_spoilt(&sound, &TAPE, coarse(value)) {
+                for options in each_spoilt(&sound, &TAPE, value) {
                     let _ = (lay_tapes_along(mesh, &guides, &options, &go), plan_tapes(mesh, &centres, &options, &go));
                 }
             }
             centres.iter().for_each(|line| assert!(line.length().is_nan() || line.length() >= 0.0));
             for polyline in [&middle, &guide] {
-                for options in each_spoilt(&ConductorOptions::default(), &CONDUCTOR, coarse(value)) {
+                for options in each_spoilt(&ConductorOptions::default(), &CONDUCTOR, value) {
                     let _ = conductor(mesh, polyline, &options).map(|tape| tape.length());
                 }
             }

@@ -94,8 +94,7 @@ proptest! {
         for distance in found.iter().flatten() {
             prop_assert_eq!(distance.mesh().vertices().len(), distance.at_vertices().len());
             let _ = (distance.windows(), distance.at_vertex(0), distance.at(0, barycentric), distance.at(0, [value, 0.0, 1.0]));
-            // As fine as it may be it is only slow.
-            for tolerance in [0.5, if tolerance > 0.0 && tolerance < 0.05 { 1.0 } else { tolerance }] {
+            for tolerance in [0.5, tolerance] {
                 let Ok(field) = LevelField::new(distance, tolerance, &go) else { continue };
                 prop_assert!(field.triangles() >= distance.mesh().triangles().len() && std::ptr::eq(field.distance(), distance));
                 let _ = (field.pockets(rise), field.pockets(value));

@@ -70,7 +70,9 @@ impl UrStreamOptions {
 
     /// Options of a sender for this robot: its window is the ring, and it writes five times as often as the robot needs.
     pub fn sender(&self) -> UrSenderOptions {
-        let heartbeat = Duration::from_secs_f64(0.2 * self.silence_s.clamp(0.05, 60.0));
+        // What is no number counts as the least, which is the safe side.
+        let silence_s = if self.silence_s >= 0.05 { self.silence_s.min(60.0) } else { 0.05 };
+        let heartbeat = Duration::from_secs_f64(0.2 * silence_s);
         UrSenderOptions { window: self.ring, heartbeat, ..UrSenderOptions::default() }
     }
 

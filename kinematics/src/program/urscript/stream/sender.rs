@@ -292,7 +292,7 @@ impl<I: Iterator<Item = Result<UrTick, UrStreamError>>> UrStreamSender<I> {
 
     /// When [`next_frame`](Self::next_frame) should be asked again at the latest, without a reply.
     pub fn deadline(&self) -> Duration {
-        self.wrote + self.options.heartbeat
+        self.wrote.saturating_add(self.options.heartbeat)
     }
 
     /// How far it is.
