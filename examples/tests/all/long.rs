@@ -25,7 +25,26 @@ const RUNS: [(&str, &str); 16] = [
     ("jerk_motion", "--count 300 --noise 60 --robots ur3"),
 ];
 
-/// Files by name, but for what tells times; of the summary all that is no time.
+/// Whether a figure tells how long something took here.
+fn is_time(name: &str) -> bool {
+    ["plan_s", "transfers_s", "seconds"].contains(&name) || name.starts_with("realtime_factor") || name.ends_with("_us")
+}
+
+/// A table without the columns that tell times; anything else as it is.
+fn without_times(bytes: Vec<u8>) -> Vec<u8> {
+    let text = String::from_utf8_lossy(&bytes);
+    let header: Vec<&str> = text.lines().next().unwrap_or("").split(',').collect();
+    if !header.iter().any(|name| is_time(name)) {
+        return bytes;
+    }
+    let kept = |line: &str| {
+        let cells = line.split(',').zip(&header).filter(|(_, name)| !is_time(name));
+        cells.map(|(cell, _)| cell).collect::<Vec<_>>().join(",")
+    };
+    text.lines().map(kept).collect::<Vec<_>>().join("\n").into_bytes()
+}
+
+/// Files by name, but for the report; of the summary and of tables all that is no time.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -34,12 +53,12 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         let bytes = match name.as_str() {
             "report.html" => continue,
             "summary.json" => {
-                let is_time = |key: &String| key.ends_with("_s") || key == "threads" || key.starts_with("peak");
-                let all = summary(folder).into_iter().filter(|(key, _)| !is_time(key));
+                let is_other = |key: &str| key.ends_with("_s") || key == "threads" || is_time(key);
+                let all = summary(folder).into_iter().filter(|(key, _)| !is_other(key));
                 serde_json::to_vec(&all.collect::<BTreeMap<_, _>>()).unwrap()
             }
             _ if path.is_dir() => continue,
-            _ => fs::read(&path).unwrap(),
+            _ => without_times(fs::read(&path).unwrap()),
         };
         files.insert(name, bytes);
     }
