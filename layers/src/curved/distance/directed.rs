@@ -92,8 +92,7 @@ pub(super) fn directed(
     for _ in 0..ROUNDS {
         directions = (0..solid.len()).map(|k| leaning(with_neighbours(&faces, &directions, k), max_tilt)).collect();
     }
-    let is_base = |cell: &u32| base.binary_search_by_key(cell, |base| base.0).is_ok();
-    let system = System::new(&faces, |k| is_base(&solid[k]));
+    let system = System::new(&faces, |k| base.binary_search_by_key(&solid[k], |base| base.0).is_ok());
     let fitted = system.solve(&system.right_side(&directions), distances_of);
     let mut values = vec![f64::NAN; distances.len()];
     solid.iter().zip(fitted).for_each(|(&cell, value)| values[cell as usize] = value);

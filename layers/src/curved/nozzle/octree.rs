@@ -3,6 +3,7 @@
 //! The leaves are blocks of 4 x 4 x 4 cells, one word of bits each; every node above has a bit for each of its eight children that holds a cell. A node is entered only if the
 //! ball around its cells comes near the body.
 
+use crate::cells::set_bits;
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
@@ -32,10 +33,6 @@ fn place([x, y, z]: [u32; 3], [nx, ny, _]: [u32; 3]) -> usize {
 fn len(sides: [u32; 3]) -> usize {
     sides.iter().map(|&side| side as usize).product()
 }
-
-/// The places of the children of a node.
-const CHILDREN: [[u32; 3]; 8] =
-    [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]];
 
 /// The bit of a child in its parent.
 fn child([x, y, z]: [u32; 3]) -> u8 {
@@ -96,7 +93,7 @@ impl Octree {
                 continue;
             }
             if level == 0 {
-                for bit in crate::cells::set_bits(self.leaves[place(node, self.sides)]) {
+                for bit in set_bits(self.leaves[place(node, self.sides)]) {
                     let within = [bit % LEAF, bit / LEAF % LEAF, bit / LEAF / LEAF];
                     if visit([0, 1, 2].map(|axis| node[axis] * LEAF + within[axis])).is_break() {
                         return;
@@ -105,11 +102,8 @@ impl Octree {
                 continue;
             }
             let Level { sides, children } = &self.levels[level - 1];
-            let bits = children[place(node, *sides)];
-            for [x, y, z] in CHILDREN {
-                if bits & child([x, y, z]) != 0 {
-                    waiting.push((level - 1, [2 * node[0] + x, 2 * node[1] + y, 2 * node[2] + z]));
-                }
+            for bit in set_bits(children[place(node, *sides)].into()) {
+                waiting.push((level - 1, [0, 1, 2].map(|axis| 2 * node[axis] + (bit >> axis & 1))));
             }
         }
     }
