@@ -4,7 +4,7 @@
 //! Its section is that of a slicer: a core, as wide as the bead less its height, with a round rim. Between waypoints middles and
 //! sizes go evenly from one to the next.
 
-use crate::cells::{cell_of, with_neighbours};
+use crate::cells::{cell_of, least_side, with_neighbours};
 use crate::orientation::Waypoint;
 use nalgebra::{Point3, Vector3};
 use std::collections::HashMap;
@@ -58,10 +58,6 @@ pub(crate) fn nearest_share([a, b]: &[Section; 2], at: Point3<f64>) -> f64 {
     if squared > 0.0 { (at - a.middle).dot(&way) / squared } else { 0.0 }
 }
 
-/// A piece of mean length passes through this many half cells at most, so that beads far longer than wide do not fill the memory: a fifth of a
-/// metre where what is looked for is within 0.8 mm.
-const MAX_STEPS: f64 = 512.0;
-
 /// Pieces of beads, by number, in the cells of a grid that they pass through.
 pub(crate) struct BeadGrid {
     cells: HashMap<[i64; 3], Vec<u32>>,
@@ -74,8 +70,7 @@ impl BeadGrid {
     pub fn new<'a>(pieces: impl Iterator<Item = &'a [Section; 2]> + Clone, reach: f64) -> Self {
         let lengths = pieces.clone().map(|[a, b]| (b.middle - a.middle).norm());
         let (count, length) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
-        // Larger cells than what is looked for asks for only take longer to look through.
-        let reach = reach.max(2.0 * length / f64::from(count.max(1)) / MAX_STEPS);
+        let reach = reach.max(least_side(length, count));
         // Samples of a piece are a quarter of the reach from what they stand for, so a cell and its neighbours have all within reach.
         let side = 1.25 * reach;
         let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();

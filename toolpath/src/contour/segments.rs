@@ -1,7 +1,7 @@
 //! Segments of curves, looked up by where they are.
 
 use super::polyline::Curve;
-use crate::cells::cell_of;
+use crate::cells::{cell_of, least_side};
 use crate::path::SurfacePath;
 use nalgebra::Point3;
 use std::ops::Range;
@@ -28,10 +28,6 @@ struct Columns {
     starts: Vec<u32>,
 }
 
-/// A segment of mean length passes through this many half cells at most, so that a reach of hardly anything does not fill the memory: a tenth
-/// of a metre in cells of 0.4 mm, which are those of layers of 0.2 mm.
-const MAX_STEPS: f64 = 512.0;
-
 /// Columns for each entry, and in any case, that are worth their memory.
 const MAX_COLUMNS: [usize; 2] = [4, 1 << 10];
 
@@ -41,15 +37,14 @@ impl Segments {
         Segments { side, cells: Vec::new(), columns: Columns::default() }
     }
 
-    /// Nothing yet, in cells for segments of paths that are looked up within a reach. Larger cells than that asks for only take longer to look
-    /// through.
+    /// Nothing yet, in cells for segments of paths that are looked up within a reach.
     pub fn within<'a>(reach: f64, paths: impl Iterator<Item = &'a SurfacePath>) -> Self {
         let (mut length, mut count) = (0.0, 0);
         for path in paths {
             length += path.length();
             count += path.segments();
         }
-        Segments::new((4.0 / 3.0 * reach).max(2.0 * length / count.max(1) as f64 / MAX_STEPS))
+        Segments::new((4.0 / 3.0 * reach).max(least_side(length, count)))
     }
 
     /// Those of curves: the number of each curve, and of the point where a segment begins.

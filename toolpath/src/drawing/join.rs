@@ -5,6 +5,7 @@
 
 use super::drawing::PathFill;
 use super::fault::MAX_COORDINATE_MM;
+use crate::cells::cell_along;
 use nalgebra::Point2;
 use std::collections::HashMap;
 
@@ -253,8 +254,7 @@ impl<T: Copy> Grid<T> {
     fn cell(&self, at: &Point2<f64>) -> [i64; 2] {
         // Points within 1e6 mm in cells of at least a picometre; others are in the last cell, which has neighbours, too.
         let width = self.reach.max(1e-9);
-        let last = i64::MAX / 2;
-        [at.x, at.y].map(|x| ((x / width).floor() as i64).clamp(-last, last))
+        [at.x, at.y].map(|x| cell_along(x, width))
     }
 
     pub fn add(&mut self, at: &Point2<f64>, thing: T) {
