@@ -15,7 +15,7 @@ fn measured() -> impl Strategy<Value = MeasuredPose> {
 }
 
 /// Poses of an arm as it should be, in many postures.
-fn sound_poses(arm: &Arm) -> Vec<MeasuredPose> {
+pub(super) fn sound_poses(arm: &Arm) -> Vec<MeasuredPose> {
     let joints = |k: usize| [0, 1, 2, 3, 4, 5].map(|axis| (0.7 * (k * (axis + 2)) as f64 + axis as f64).sin());
     let pose = |joints: [f64; 6]| {
         let at = arm.forward(&joints);

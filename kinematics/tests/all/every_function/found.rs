@@ -1,5 +1,6 @@
 //! What the properties of this folder found, each by itself.
 
+use super::calibrations::sound_poses;
 use super::numbers::go;
 use crate::common::cells::ur3;
 use crate::common::{ROBOTS, arm};
@@ -10,16 +11,6 @@ use curvlay_kinematics::program::ur_stream::{UrSenderOptions, UrStreamJob, UrStr
 use curvlay_kinematics::program::{Step, TurnChoice, UrScriptOptions, write_urscript};
 use curvlay_kinematics::*;
 use std::time::Duration;
-
-/// Poses of an arm as it should be, in many postures.
-fn sound_poses(arm: &Arm) -> Vec<MeasuredPose> {
-    let joints = |k: usize| [0, 1, 2, 3, 4, 5].map(|axis| (0.7 * (k * (axis + 2)) as f64 + axis as f64).sin());
-    let pose = |joints: [f64; 6]| {
-        let at = arm.forward(&joints);
-        MeasuredPose { joints, position: Point3::from(at.translation.vector), rotation: Some(at.rotation) }
-    };
-    (0..12).map(joints).map(pose).collect()
-}
 
 #[test]
 fn fits_end_whatever_a_radian_weighs() {
