@@ -2,6 +2,8 @@
 //! inserted. That makes it the hull, whatever led there.
 
 use curvlay_hull::{ConvexHull, Depth, MAX_COORDINATE};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use std::collections::{HashMap, HashSet};
 
 type Point = [i32; 3];
@@ -9,28 +11,16 @@ type Point = [i32; 3];
 const POINTS: usize = 1_000_000;
 const BATCH: usize = 64;
 
-/// Random numbers: G. L. Steele et al., "Fast splittable pseudorandom number generators", OOPSLA 2014.
-struct SplitMix(u64);
+fn within(random: &mut Pcg64Mcg, most: i32) -> i32 {
+    random.random_range(-most..=most)
+}
 
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn within(&mut self, most: i32) -> i32 {
-        (self.next() % (2 * most as u64 + 1)) as i32 - most
-    }
-
-    /// Anywhere in a ball.
-    fn in_ball(&mut self, radius: i32) -> Point {
-        loop {
-            let point = [0; 3].map(|_| self.within(radius));
-            if point.iter().map(|&k| i64::from(k).pow(2)).sum::<i64>() <= i64::from(radius).pow(2) {
-                return point;
-            }
+/// Anywhere in a ball.
+fn in_ball(random: &mut Pcg64Mcg, radius: i32) -> Point {
+    loop {
+        let point = [0; 3].map(|_| within(random, radius));
+        if point.iter().map(|&k| i64::from(k).pow(2)).sum::<i64>() <= i64::from(radius).pow(2) {
+            return point;
         }
     }
 }
@@ -67,8 +57,8 @@ fn certify(hull: &ConvexHull, points: &[Point]) {
 }
 
 /// Inserts a million points in small batches, and certifies the body on the way.
-fn grow(name: &str, mut point: impl FnMut(&mut SplitMix, usize) -> Point) {
-    let mut random = SplitMix(name.bytes().map(u64::from).sum());
+fn grow(name: &str, mut point: impl FnMut(&mut Pcg64Mcg, usize) -> Point) {
+    let mut random = Pcg64Mcg::seed_from_u64(name.bytes().map(u64::from).sum());
     let mut hull = ConvexHull::new(Depth::default());
     let mut points = Vec::with_capacity(POINTS);
     let mut certified = 1_000;
@@ -88,27 +78,27 @@ fn grow(name: &str, mut point: impl FnMut(&mut SplitMix, usize) -> Point) {
 #[ignore = "long: ten million insertions, minutes"]
 fn ten_million_insertions_make_the_hull() {
     const FAR: i32 = MAX_COORDINATE;
-    grow("a ball", |random, _| random.in_ball(60));
-    grow("a large ball", |random, _| random.in_ball(4_000));
-    grow("a ball that grows", |random, k| random.in_ball(2 + (k / 40_000) as i32 * 40));
-    grow("a cube", |random, _| [0; 3].map(|_| random.within(200)));
-    grow("as far as coordinates reach", |random, _| [0; 3].map(|_| random.within(FAR)));
-    grow("few places", |random, _| [0; 3].map(|_| random.within(2)));
+    grow("a ball", |random, _| in_ball(random, 60));
+    grow("a large ball", |random, _| in_ball(random, 4_000));
+    grow("a ball that grows", |random, k| in_ball(random, 2 + (k / 40_000) as i32 * 40));
+    grow("a cube", |random, _| [0; 3].map(|_| within(random, 200)));
+    grow("as far as coordinates reach", |random, _| [0; 3].map(|_| within(random, FAR)));
+    grow("few places", |random, _| [0; 3].map(|_| within(random, 2)));
     grow("a slanted plane, then a solid", |random, k| {
-        let [x, y] = [0; 2].map(|_| random.within(5_000));
-        [x, y, x + y + i32::from(k > POINTS / 2) * random.within(3)]
+        let [x, y] = [0; 2].map(|_| within(random, 5_000));
+        [x, y, x + y + i32::from(k > POINTS / 2) * within(random, 3)]
     });
     grow("a line, then a plane, then a solid", |random, k| {
-        let [x, y, z] = [0; 3].map(|_| random.within(900));
+        let [x, y, z] = [0; 3].map(|_| within(random, 900));
         [x, 2 * x + i32::from(k > POINTS / 4) * y, -x + i32::from(k > POINTS / 2) * z]
     });
     grow("a paraboloid", |random, _| {
-        let [x, y] = [0; 2].map(|_| random.within(120));
+        let [x, y] = [0; 2].map(|_| within(random, 120));
         [x, y, x * x + y * y]
     });
     grow("cells of a part, layer by layer", |random, k| {
         let z = (k / 10_000) as i32;
-        let [x, y] = [0; 2].map(|_| random.within(40 + z / 2));
+        let [x, y] = [0; 2].map(|_| within(random, 40 + z / 2));
         [2 * x + z, 2 * y, 2 * z]
     });
 }
