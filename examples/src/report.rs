@@ -168,6 +168,12 @@ impl Report {
         self.push("</details>")
     }
 
+    /// What another page has, without its title.
+    pub fn append(&mut self, other: &Report) -> &mut Self {
+        self.body += &other.body;
+        self
+    }
+
     /// A drawing, an `svg` element of ours, with a line under it. It is put in as it is.
     pub fn drawing(&mut self, caption: &str, svg: &str) -> &mut Self {
         self.push(&format!("<figure class=\"plot\">\n{svg}\n<figcaption>{}</figcaption></figure>", escaped(caption)))

@@ -171,25 +171,38 @@ fn summary(stage: Stage, job: &Job, results: &Results) -> Result<Summary, Failur
     Ok(summary)
 }
 
-/// The build comes first, what is wrong with it beside it.
+/// The build comes first, what is wrong with it beside it. The viewer and the pictures below take about as long: each is made by itself.
 fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> Result<Report, Failure> {
-    let Results { field, surfaces, paths, machine, motion, findings, choice, .. } = results;
-    let title = if results.preview.is_some() { "Preview" } else { "Curved layers" };
+    let (mut report, below) = rayon::join(|| first(job, results, build), || below(job, results, tables));
+    report.append(&below?);
+    Ok(report)
+}
+
+/// The viewer, findings and main figures.
+fn first(job: &Job, results: &Results, build: &Model) -> Report {
+    let Results { field, surfaces, findings, preview, .. } = results;
+    let title = if preview.is_some() { "Preview" } else { "Curved layers" };
     let mut report = Report::new(&format!("{title}: {}", job.part.name));
     let said = |beside: &mut Report| {
         findings.report(beside);
         beside.table("", &people::table(job, results));
     };
-    if let (Some(run), Some(surfaces)) = (&results.preview, surfaces) {
+    if let (Some(run), Some(surfaces)) = (preview, surfaces) {
         preview::words(field, surfaces, run).iter().for_each(|words| _ = report.paragraph(words));
     }
     report.beside(|first| _ = first.viewer(build), said);
-    if let (Some(_), Some(surfaces)) = (&results.preview, surfaces) {
+    report
+}
+
+/// What each stage has to show, and all tables.
+fn below(job: &Job, results: &Results, tables: &[Table; 5]) -> Result<Report, Failure> {
+    let Results { field, surfaces, paths, machine, motion, choice, preview, .. } = results;
+    let mut report = Report::new("");
+    let filled = || tables.iter().filter(|table| !table.rows().is_empty());
+    if let (Some(_), Some(surfaces)) = (preview, surfaces) {
         preview::report(field, surfaces, &mut report);
         field::report(job.args, field, &mut report)?;
-        report.fold("All figures", |inner| {
-            tables.iter().filter(|table| !table.rows().is_empty()).for_each(|table| _ = inner.table("", table));
-        });
+        report.fold("All figures", |inner| filled().for_each(|table| _ = inner.table("", table)));
         return Ok(report);
     }
     if let Some(choice) = choice {
@@ -209,7 +222,7 @@ fn report(job: &Job, results: &Results, tables: &[Table; 5], build: &Model) -> R
         of_run!(motion, run => motion::report(surfaces, run, &mut report));
     }
     report.fold("All figures, and those of the dissertation", |inner| {
-        tables.iter().filter(|table| !table.rows().is_empty()).for_each(|table| _ = inner.table("", table));
+        filled().for_each(|table| _ = inner.table("", table));
         field::comparison(job.part, field, inner);
     });
     Ok(report)

@@ -2,8 +2,8 @@
 
 use super::support_part::SupportPart;
 use crate::infill::SparseFill;
-use crate::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, StackError};
-use crate::path::{BeadKind, LayerPaths, SurfacePath};
+use crate::layer::{LayerStack, LayerSurface, StackError};
+use crate::path::{LayerPaths, SurfacePath};
 use crate::statistics::PathStatistics;
 use nalgebra::Point3;
 
@@ -39,6 +39,7 @@ pub(super) struct SolidPart {
 
 /// The paths of all surfaces of a part.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FilledLayers {
     /// In the order of the surfaces; none for a surface without triangles.
     pub layers: Vec<Option<FilledLayer>>,
@@ -46,26 +47,11 @@ pub struct FilledLayers {
     pub travel_mm: f64,
     /// The same in the order in which the curves were found.
     pub given_mm: f64,
-    /// For each layer points and widths of its curves.
-    pub(super) beads: Vec<Vec<Bead>>,
 }
 
-/// A curve as a stack of layers takes it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Bead {
-    pub points: Vec<Point3<f64>>,
-    widths: Vec<f64>,
-    kinds: Vec<BeadKind>,
-    pub closed: bool,
-}
-
-pub(super) fn beads(layer: &Option<FilledLayer>) -> Vec<Bead> {
-    let bead = |path: &SurfacePath| {
-        let (points, widths) = path.points.iter().map(|point| (point.at.position, point.width)).unzip();
-        let kinds = path.points.iter().map(|point| point.kind).collect();
-        Bead { points, widths, kinds, closed: path.closed }
-    };
-    layer.iter().flat_map(|layer| &layer.paths.paths).map(bead).collect()
+/// The curves of a layer that are printed.
+pub(super) fn curves(layer: &Option<FilledLayer>) -> &[SurfacePath] {
+    layer.as_ref().map_or(&[], |layer| &layer.paths.paths)
 }
 
 impl FilledLayers {
@@ -80,16 +66,6 @@ impl FilledLayers {
     /// # Cost
     /// That of [`LayerStack::new`].
     pub fn stack<'a>(&'a self, surfaces: &[LayerSurface<'a>]) -> Result<LayerStack<'a>, StackError> {
-        let curve = |bead: &'a Bead| {
-            let Bead { points, widths, kinds, closed } = bead;
-            LayerCurve { points, widths, kinds, closed: *closed }
-        };
-        let no_curves: &[LayerCurve] = &[];
-        let layer = |(surface, beads): (&LayerSurface<'a>, &'a Vec<Bead>)| {
-            let LayerSurface { vertices, triangles, thickness, .. } = *surface;
-            let built = BuiltLayer { vertices, triangles, spacing: thickness, curves: no_curves };
-            (built, beads.iter().map(curve).collect())
-        };
-        LayerStack::with_curves(surfaces.iter().zip(&self.beads).map(layer).collect())
+        LayerStack::of_paths(surfaces.iter().copied().zip(self.layers.iter().map(curves)))
     }
 }

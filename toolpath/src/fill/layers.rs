@@ -3,7 +3,7 @@
 use super::bridge::{mark, mark_support};
 use super::errors::FillLayersError;
 use super::estimate::check_size;
-use super::filled::{Bead, FilledLayer, FilledLayers, SolidPart, beads};
+use super::filled::{FilledLayer, FilledLayers, SolidPart, curves};
 use super::judge::{judge_again, statistics};
 use super::short::keep_carriers;
 use crate::geodesic::SurfaceDistance;
@@ -11,14 +11,18 @@ use crate::infill::{FillError, Filled, Site, Sites, TOLERANCE, filled as filled_
 use crate::layer::LayerSurface;
 use crate::level_set::LevelField;
 use crate::mesh::SurfaceMesh;
-use crate::order::{TravelCurve, TravelOrder, order_curves};
+use crate::order::{TravelCurve, TravelOrder, Visit, order_curves};
 use crate::parallel;
-use crate::path::{LayerPaths, PathOptions, Pattern};
+use crate::path::{LayerPaths, PathOptions, Pattern, SurfacePath};
 use crate::statistics::PathStatistics;
 use crate::{Progress, ProgressFn};
 use nalgebra::Point3;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
+
+/// Points of finished curves that are this near to the straight line between others make no difference, as a share of a bead: levels are found to an
+/// eightieth ([`TOLERANCE`]).
+const STRAIGHT: f64 = 0.002;
 
 /// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
 ///
@@ -315,9 +319,10 @@ pub fn fill_rest(
         mark_support(&mut layers, surfaces, options.bead)?;
     }
     check_any(&layers, options.bead)?;
+    let paths = layers.iter_mut().flatten().flat_map(|layer| &mut layer.paths.paths);
+    paths.for_each(|path| path.straighten(STRAIGHT * options.bead));
     let order = in_travel_order(&mut layers, progress)?;
-    let beads = layers.iter().map(beads).collect();
-    Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm, beads })
+    Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm })
 }
 
 /// Refuses a part without a single curve: one layer may be too narrow for a bead; where all are, the bead is a slip of the unit.
@@ -333,16 +338,26 @@ fn check_any(layers: &[Option<FilledLayer>], bead: f64) -> Result<(), FillLayers
 
 /// Puts the curves of each layer in the order in which they are travelled.
 fn in_travel_order(layers: &mut [Option<FilledLayer>], progress: ProgressFn) -> Result<TravelOrder, FillLayersError> {
-    fn curve(bead: &Bead) -> TravelCurve<'_> {
-        TravelCurve { points: &bead.points, closed: bead.closed }
+    type Line = (Vec<Point3<f64>>, bool);
+    fn curve((points, closed): &Line) -> TravelCurve<'_> {
+        TravelCurve { points, closed: *closed }
     }
-    let found: Vec<Vec<Bead>> = layers.iter().map(beads).collect();
-    let curves: Vec<Vec<TravelCurve>> = found.iter().map(|beads| beads.iter().map(curve).collect()).collect();
-    let order = order_curves(&curves, progress)?;
+    let line =
+        |path: &SurfacePath| -> Line { (path.points.iter().map(|point| point.at.position).collect(), path.closed) };
+    let lines: Vec<Vec<Line>> = layers.iter().map(|layer| curves(layer).iter().map(line).collect()).collect();
+    let travelled: Vec<Vec<TravelCurve>> = lines.iter().map(|lines| lines.iter().map(curve).collect()).collect();
+    let order = order_curves(&travelled, progress)?;
+    drop(lines);
     for (layer, visits) in layers.iter_mut().zip(&order.layers) {
-        if let Some(FilledLayer { paths: LayerPaths { paths, .. }, .. }) = layer {
-            *paths = visits.iter().map(|visit| paths[visit.curve as usize].travelled(visit)).collect();
-        }
+        let Some(FilledLayer { paths: LayerPaths { paths, .. }, .. }) = layer else { continue };
+        // Each curve is visited once.
+        let mut given: Vec<Option<SurfacePath>> = std::mem::take(paths).into_iter().map(Some).collect();
+        let turned = |visit: &Visit| {
+            let mut path = given[visit.curve as usize].take()?;
+            path.turn(visit);
+            Some(path)
+        };
+        *paths = visits.iter().filter_map(turned).collect();
     }
     Ok(order)
 }

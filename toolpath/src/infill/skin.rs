@@ -11,7 +11,7 @@
 
 use super::site::Site;
 use crate::ProgressFn;
-use crate::layer::{BuiltLayer, LayerCurve, LayerStack, LayerSurface, Node, StackError, Triangle, Walk, of_layer};
+use crate::layer::{LayerStack, LayerSurface, Node, StackError, Triangle, Walk, of_layer};
 use crate::parallel;
 use crate::path::PathOptions;
 use nalgebra::{Point3, Vector3};
@@ -48,7 +48,8 @@ pub(crate) fn sites<'a>(
     progress: ProgressFn,
 ) -> Result<Option<Sites<'a>>, StackError> {
     let skin = options.infill.skin as usize;
-    let stack = (skin > 0).then(|| LayerStack::with_curves(surfaces.iter().map(built).collect())).transpose()?;
+    let stack =
+        (skin > 0).then(|| LayerStack::of_paths(surfaces.iter().map(|&surface| (surface, &[][..])))).transpose()?;
     let whole: Vec<u32> = (0..).zip(surfaces).filter(|(_, surface)| !surface.is_half).map(|(layer, _)| layer).collect();
     let work = |layer: usize, surface: &LayerSurface| {
         // A surface with a corner that is not there is refused where it is filled.
@@ -65,11 +66,6 @@ pub(crate) fn sites<'a>(
     };
     let of_layer = parallel::map(surfaces, "skin", progress, work);
     Ok(of_layer.map(|of_layer| Sites { of_layer, stack }))
-}
-
-fn built<'a>(surface: &LayerSurface<'a>) -> (BuiltLayer<'a>, Vec<LayerCurve<'a>>) {
-    let LayerSurface { vertices, triangles, thickness, .. } = *surface;
-    (BuiltLayer { vertices, triangles, spacing: thickness, curves: &[] }, Vec::new())
 }
 
 /// For each vertex how many of the next layers, and of the last ones, cross its column: the lesser number, at most `skin`. `below` and `above` are all whole

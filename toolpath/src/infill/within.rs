@@ -18,7 +18,7 @@ impl<'a> Solid<'a> {
     /// `heights`: any number for each triangle.
     pub fn new(vertices: &'a [Point3<f64>], triangles: &'a [[u32; 3]], heights: &'a [f64]) -> Result<Self, StackError> {
         let mesh = BuiltLayer { vertices, triangles, spacing: heights, curves: &[] };
-        Ok(Solid { stack: LayerStack::with_curves(vec![(mesh, Vec::new())])? })
+        Ok(Solid { stack: LayerStack::new(&[mesh])? })
     }
 
     /// Where a layer is in the part.

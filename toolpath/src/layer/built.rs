@@ -3,7 +3,7 @@
 use super::error::StackError;
 use super::rims::Rims;
 use super::triangle::Triangle;
-use crate::path::BeadKind;
+use crate::path::{BeadKind, SurfacePath};
 use nalgebra::{Point3, Vector3};
 
 /// Triangles and points are numbered in 32 bits.
@@ -26,10 +26,51 @@ pub struct LayerCurve<'a> {
     pub closed: bool,
 }
 
-impl LayerCurve<'_> {
-    /// What the bead is for at a point.
-    pub(crate) fn kind(&self, point: usize) -> BeadKind {
-        self.kinds.get(point).copied().unwrap_or_default()
+/// A curve of a stack, wherever its points stand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum BuiltCurve<'a> {
+    /// In lists of its own.
+    Given(LayerCurve<'a>),
+    /// In the path that filled the layer.
+    Path(&'a SurfacePath),
+}
+
+impl BuiltCurve<'_> {
+    pub fn is_closed(&self) -> bool {
+        match self {
+            BuiltCurve::Given(curve) => curve.closed,
+            BuiltCurve::Path(path) => path.closed,
+        }
+    }
+
+    /// How many points it has.
+    pub fn len(&self) -> usize {
+        match self {
+            BuiltCurve::Given(curve) => curve.points.len(),
+            BuiltCurve::Path(path) => path.points.len(),
+        }
+    }
+
+    /// A point, the width of the bead there, and what it is for.
+    pub fn at(&self, k: usize) -> (Point3<f64>, f64, BeadKind) {
+        match self {
+            BuiltCurve::Given(LayerCurve { points, widths, kinds, .. }) => {
+                (points[k], widths[k], kinds.get(k).copied().unwrap_or_default())
+            }
+            BuiltCurve::Path(path) => {
+                let point = &path.points[k];
+                (point.at.position, point.width, point.kind)
+            }
+        }
+    }
+
+    /// How many points and how many widths it has, where these differ.
+    fn mismatch(&self) -> Option<[usize; 2]> {
+        match self {
+            BuiltCurve::Given(LayerCurve { points, widths, .. }) => Some([points.len(), widths.len()]),
+            BuiltCurve::Path(_) => None,
+        }
+        .filter(|[points, widths]| points != widths)
     }
 }
 
@@ -52,7 +93,7 @@ pub(crate) struct Built<'a> {
     pub vertices: &'a [Point3<f64>],
     pub triangles: &'a [[u32; 3]],
     pub spacing: &'a [f64],
-    pub curves: Vec<LayerCurve<'a>>,
+    pub curves: Vec<BuiltCurve<'a>>,
 }
 
 /// A layer made ready.
@@ -117,20 +158,20 @@ pub(super) fn check(number: usize, layer: &Built) -> Result<(), StackError> {
         return Err(StackError::BadSpacing { layer: number, triangle, spacing: layer.spacing[triangle] });
     }
     for (curve, given) in layer.curves.iter().enumerate() {
-        let (points, widths) = (given.points.len(), given.widths.len());
-        if points < 2 + usize::from(given.closed) {
+        let points = given.len();
+        if points < 2 + usize::from(given.is_closed()) {
             return Err(StackError::FewPoints { layer: number, curve, points });
         }
-        if points != widths {
+        if let Some([points, widths]) = given.mismatch() {
             return Err(StackError::WidthCount { layer: number, curve, widths, points });
         }
-        if let Some(point) = given.points.iter().position(|p| !sound(p)) {
+        if let Some(point) = (0..points).find(|&k| !sound(&given.at(k).0)) {
             return Err(StackError::BadPoint { layer: number, curve, point });
         }
-        if let Some(point) = given.widths.iter().position(|&w| !positive(w)) {
-            return Err(StackError::BadWidth { layer: number, curve, point, width: given.widths[point] });
+        if let Some(point) = (0..points).find(|&k| !positive(given.at(k).1)) {
+            return Err(StackError::BadWidth { layer: number, curve, point, width: given.at(point).1 });
         }
-        if given.points.iter().all(|p| *p == given.points[0]) {
+        if (1..points).all(|k| given.at(k).0 == given.at(0).0) {
             return Err(StackError::NoLength { layer: number, curve });
         }
     }

@@ -16,7 +16,7 @@ mod surface;
 mod tree;
 mod triangle;
 
-pub(crate) use built::Built;
+pub(crate) use built::{Built, BuiltCurve};
 pub use built::{BuiltLayer, LayerCurve};
 pub use error::{MouldError, StackError};
 pub use hints::{DirectionHints, HintError};

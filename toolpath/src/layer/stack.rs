@@ -4,14 +4,16 @@
 //! earliest of its triangles, so a question about what is built by now passes over all that comes later. A mould on which the part is built
 //! is there before the first layer.
 
-use super::built::{Built, BuiltLayer, LayerCurve, MAX_TRIANGLES, check, prepare};
+use super::built::{Built, BuiltCurve, BuiltLayer, MAX_TRIANGLES, check, prepare};
 use super::error::StackError;
 use super::hints::DirectionHints;
 use super::keys::{keys_by_layer, of_layer};
+use super::surface::LayerSurface;
 use super::tree::{Keys, Tree};
 use super::triangle::{MOULD, Triangle};
 use crate::mesh::on_triangle;
 use crate::parallel;
+use crate::path::SurfacePath;
 use nalgebra::{Point3, Unit, UnitVector3, Vector3};
 use std::ops::ControlFlow;
 
@@ -74,25 +76,27 @@ impl<'a> LayerStack<'a> {
     /// assert_eq!(LayerStack::new(&[thin]).unwrap_err(), error);
     /// # Ok::<(), StackError>(())
     /// ```
-    pub fn new(layers: &'a [BuiltLayer<'a>]) -> Result<Self, StackError> {
+    pub fn new(layers: &[BuiltLayer<'a>]) -> Result<Self, StackError> {
         let built = |&BuiltLayer { vertices, triangles, spacing, curves }: &BuiltLayer<'a>| Built {
             vertices,
             triangles,
             spacing,
-            curves: curves.to_vec(),
+            curves: curves.iter().copied().map(BuiltCurve::Given).collect(),
         };
         LayerStack::of(layers.iter().map(built).collect())
     }
 
-    /// The same of layers with curves that stand beside them.
-    pub(crate) fn with_curves(layers: Vec<(BuiltLayer<'a>, Vec<LayerCurve<'a>>)>) -> Result<Self, StackError> {
-        let built = |(BuiltLayer { vertices, triangles, spacing, .. }, curves): (BuiltLayer<'a>, _)| Built {
+    /// The same of surfaces and the paths that fill them.
+    pub(crate) fn of_paths(
+        layers: impl Iterator<Item = (LayerSurface<'a>, &'a [SurfacePath])>,
+    ) -> Result<Self, StackError> {
+        let built = |(LayerSurface { vertices, triangles, thickness, .. }, paths): (_, &'a [SurfacePath])| Built {
             vertices,
             triangles,
-            spacing,
-            curves,
+            spacing: thickness,
+            curves: paths.iter().map(BuiltCurve::Path).collect(),
         };
-        LayerStack::of(layers.into_iter().map(built).collect())
+        LayerStack::of(layers.map(built).collect())
     }
 
     fn of(layers: Vec<Built<'a>>) -> Result<Self, StackError> {

@@ -10,16 +10,21 @@ impl SurfacePath {
     /// If `visit` starts a closed curve at a point that is not there.
     pub fn travelled(&self, visit: &Visit) -> SurfacePath {
         let mut path = self.clone();
+        path.turn(visit);
+        path
+    }
+
+    /// Makes it [travelled](Self::travelled) in place.
+    pub(crate) fn turn(&mut self, visit: &Visit) {
         let start = visit.start as usize;
         match (self.closed, visit.reversed) {
-            (true, false) => path.points.rotate_left(start),
+            (true, false) => self.points.rotate_left(start),
             (true, true) => {
-                path.points.rotate_left(start + 1);
-                path.points.reverse();
+                self.points.rotate_left(start + 1);
+                self.points.reverse();
             }
-            (false, true) => path.points.reverse(),
+            (false, true) => self.points.reverse(),
             (false, false) => {}
         }
-        path
     }
 }

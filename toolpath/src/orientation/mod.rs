@@ -286,7 +286,7 @@ impl LayerStack<'_> {
         for (&(layer, curve), sampled) in curves.iter().zip(sampled) {
             let Sampled { waypoints, by_normal } = sampled?;
             oriented.by_normal += by_normal;
-            let closed = self.layers[layer].curves[curve].closed;
+            let closed = self.layers[layer].curves[curve].is_closed();
             oriented.paths.push(ToolPath { layer: layer as u32, curve: curve as u32, closed, waypoints });
         }
         oriented.before = Turns::of(&oriented.paths);

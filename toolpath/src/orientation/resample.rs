@@ -6,7 +6,7 @@
 //! The bend at a point is the angle between the chords to the points a quarter of a step before and behind it: a corner
 //! that is rounded by several close points counts, the noise of short segments does not.
 
-use crate::layer::LayerCurve;
+use crate::layer::BuiltCurve;
 use crate::path::BeadKind;
 use nalgebra::Point3;
 
@@ -28,12 +28,11 @@ pub(super) struct Line {
 
 impl Line {
     /// Repeated points are left out; of a closed curve the first point is repeated at the end.
-    pub fn new(curve: &LayerCurve) -> Self {
+    pub fn new(curve: &BuiltCurve) -> Self {
         let (points, widths, kinds) = (Vec::new(), Vec::new(), Vec::new());
-        let mut line = Line { points, widths, kinds, arcs: Vec::new(), closed: curve.closed };
-        let count = curve.points.len();
-        for k in (0..count).chain(curve.closed.then_some(0)) {
-            let (point, width, kind) = (curve.points[k], curve.widths[k], curve.kind(k));
+        let mut line = Line { points, widths, kinds, arcs: Vec::new(), closed: curve.is_closed() };
+        for k in (0..curve.len()).chain(curve.is_closed().then_some(0)) {
+            let (point, width, kind) = curve.at(k);
             match line.points.last() {
                 Some(last) => {
                     let step = (point - last).norm();
