@@ -269,7 +269,8 @@ impl Walker<'_> {
         let tilts = self.steps.iter().map(|step| angle(&step.wanted, &step.waypoint.axis)).collect();
         let cuts = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.cut?))).collect();
         let sharp = self.steps.iter().enumerate().filter_map(|(k, step)| Some((k, step.sharp?))).collect();
-        let waypoints = self.steps.into_iter().map(|step| step.waypoint).collect();
+        // Not `into_iter`, which would keep the memory of the steps, three times as much.
+        let waypoints = self.steps.iter().map(|step| step.waypoint).collect();
         ResolvedPath { waypoints, tilts, left, cuts, sharp, ..ResolvedPath::default() }
     }
 
