@@ -11,6 +11,7 @@ use curvlay_examples::mesh::Mesh;
 use curvlay_toolpath::deposit::Deposition;
 use curvlay_toolpath::gcode::{Move, marked_moves};
 use curvlay_toolpath::gouging::{Nozzle, ResolvedPaths};
+use curvlay_toolpath::layer::LayerStack;
 use curvlay_toolpath::orientation::{OrientOptions, ToolPath, Turns};
 use curvlay_toolpath::plan::PrintPlan;
 use curvlay_toolpath::shell::{ShellGap, ShellOptions, shell_gap};
@@ -104,8 +105,12 @@ impl MachineRun {
 
     /// The path with the most waypoints.
     pub fn longest(&self) -> Option<&ToolPath> {
-        self.resolved.paths.iter().max_by_key(|path| path.waypoints.len())
+        longest(&self.resolved.paths)
     }
+}
+
+fn longest(paths: &[ToolPath]) -> Option<&ToolPath> {
+    paths.iter().max_by_key(|path| path.waypoints.len())
 }
 
 /// Volume of the part and its support, without what sparse infill leaves empty.
@@ -137,6 +142,10 @@ pub fn run(
     let (options, support) = (args.print_options(), args.support_options());
     let stack = paths.stack(&layers, field.mould.as_ref(), surfaces.height_mm)?.with_hints(surfaces.hints()?);
     let PrintPlan { before, resolved, travels, deposition } = stack.plan(nozzle, &options, &progress)?;
+    clock.stop();
+    let unfiltered = args.compare.then(|| unfiltered(&stack, &resolved.paths, &options.orient, bars)).transpose()?;
+    // It takes as much memory as all waypoints, and so does the check of support.
+    drop(stack);
     clock.note("support", 0);
     let (laid, height_mm) = (&resolved.paths, surfaces.height_mm);
     let support = match &field.mould {
@@ -154,7 +163,7 @@ pub fn run(
     };
     let covered_mm3 = args.has_statistics().then(|| paths.filled.covered_mm3(&layers));
     let (tip_mm, max_feed) = (2.0 * nozzle.tip_radius(), options.deposition.max_feed);
-    let mut run = MachineRun {
+    Ok(MachineRun {
         before,
         resolved,
         travels,
@@ -164,15 +173,22 @@ pub fn run(
         support,
         covered_mm3,
         skin: None,
-        unfiltered: None,
+        unfiltered: unfiltered.flatten(),
         times,
-    };
-    if let Some(longest) = run.longest().filter(|_| args.compare) {
-        let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..options.orient };
-        let unfiltered = stack.orient(&options, &progress)?;
-        // Paths may have been cut.
-        let of_curve = |other: &ToolPath| (other.layer, other.curve) == (longest.layer, longest.curve);
-        run.unfiltered = unfiltered.paths.into_iter().find(of_curve);
-    }
-    Ok(run)
+    })
+}
+
+/// The longest path with directions as they are found.
+fn unfiltered(
+    stack: &LayerStack,
+    paths: &[ToolPath],
+    options: &OrientOptions,
+    bars: &Bars,
+) -> Result<Option<ToolPath>, Failure> {
+    let Some(longest) = longest(paths) else { return Ok(None) };
+    let options = OrientOptions { wave: 0.0, max_turn: PI, low_pass_rounds: 0, ..*options };
+    let unfiltered = stack.orient(&options, &|p| bars.show(p.stage, p.done, p.total))?;
+    // Paths may have been cut.
+    let of_curve = |other: &ToolPath| (other.layer, other.curve) == (longest.layer, longest.curve);
+    Ok(unfiltered.paths.into_iter().find(of_curve))
 }
