@@ -1,0 +1,181 @@
+//! Which side of a layer the nozzle is on. Triangles of a piece are turned alike. A level piece then looks up; a steep one, as layers around a core are, looks
+//! away from what is beside it and was laid before.
+
+use super::sheet::Sheet;
+use super::slabs::percentiles;
+use super::stack::Stack;
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Triangles of a piece that are asked, about.
+const ASKED: usize = 60;
+/// A plate under a surface that leans more than this (the cosine) is not below it.
+const ON_PLATE: f64 = 1e-3;
+/// Pieces whose mean normal leans less than this (the cosine) are level: a nozzle comes from above. On others it may come from below.
+const LEVEL: f64 = 0.5;
+/// What is farther than so many heights is not beside a piece.
+const NEAR_HEIGHTS: f64 = 1.5;
+
+/// What was turned, and what was found on the way.
+#[derive(Default)]
+pub struct Turned {
+    /// Pieces: triangles that are joined by edges.
+    pub pieces: usize,
+    /// Pieces of the layer that has most.
+    pub most_pieces: usize,
+    /// Layers of which a piece was turned over.
+    pub layers: usize,
+    /// Triangles that were turned unlike their neighbours.
+    pub triangles: usize,
+    /// How high layers are in the rules, if that is known.
+    pub height: Option<f64>,
+}
+
+/// A triangle that stands for some of a piece.
+struct Asked {
+    up: Vector3<f64>,
+    area: f64,
+    /// How far it is to what was laid before, against `up` and along it.
+    gaps: [Option<f64>; 2],
+}
+
+/// A piece: triangles, each with whether it is turned against the first.
+struct Piece {
+    triangles: Vec<(u32, bool)>,
+    asked: Vec<Asked>,
+}
+
+/// How far it is from a place against a normal to an earlier layer or the plate.
+pub fn below(stack: &Stack, at: Point3<f64>, normal: Vector3<f64>, rank: u32, from_plate: f64) -> Option<f64> {
+    let to_plate = (normal.z > ON_PLATE).then(|| (at.z / normal.z).max(0.0) * from_plate);
+    let to_layer = stack.along(at, -normal, 0..rank, f64::INFINITY);
+    [to_plate, to_layer].into_iter().flatten().reduce(f64::min)
+}
+
+/// Turns all sheets, and sets their normals.
+///
+/// # Arguments
+/// * `from_plate`: how high the first layer is if its surface is a millimetre above the plate.
+/// * `height`: of layers, where it is given.
+pub fn turn(sheets: &mut [Sheet], stack: &Stack, from_plate: f64, height: Option<f64>) -> Turned {
+    let of_sheet = |sheet: &Sheet| -> Vec<Piece> {
+        let all = pieces(&sheet.triangles).into_iter();
+        all.map(|triangles| Piece { asked: ask(sheet, &triangles, stack, from_plate), triangles }).collect()
+    };
+    let pieces: Vec<Vec<Piece>> = sheets.par_iter().map(of_sheet).collect();
+    let asked = pieces.iter().flatten().flat_map(|piece| &piece.asked);
+    let nearest = asked.filter_map(|asked| Some((asked.gaps.into_iter().flatten().reduce(f64::min)?, asked.area)));
+    let measured = percentiles(nearest.collect(), [0.5]).map(|[median]| median);
+    let mut turned = Turned { height: height.or(measured), ..Turned::default() };
+    let near = NEAR_HEIGHTS * turned.height.unwrap_or(f64::INFINITY);
+    let mut in_layer = (None, 0, false);
+    for (sheet, pieces) in sheets.iter_mut().zip(&pieces) {
+        if in_layer.0 != Some(sheet.rank) {
+            in_layer = (Some(sheet.rank), 0, false);
+        }
+        in_layer.1 += pieces.len();
+        turned.pieces += pieces.len();
+        turned.most_pieces = turned.most_pieces.max(in_layer.1);
+        for piece in pieces {
+            let against = piece.triangles.iter().filter(|(_, is_against)| *is_against).count();
+            turned.triangles += against.min(piece.triangles.len() - against);
+            let is_over = piece.is_over(near);
+            // What most of its triangles say is what the file says.
+            let file_is_over = 2 * against > piece.triangles.len();
+            if is_over != file_is_over && !std::mem::replace(&mut in_layer.2, true) {
+                turned.layers += 1;
+            }
+            for &(triangle, _) in piece.triangles.iter().filter(|(_, is_against)| *is_against != is_over) {
+                sheet.triangles[triangle as usize].swap(1, 2);
+            }
+        }
+        sheet.set_normals();
+    }
+    turned
+}
+
+impl Piece {
+    /// Whether its first triangle looks the wrong way.
+    fn is_over(&self, near: f64) -> bool {
+        let area: f64 = self.asked.iter().map(|asked| asked.area).sum();
+        let up: f64 = self.asked.iter().map(|asked| asked.up.z * asked.area).sum();
+        if up.abs() >= LEVEL * area {
+            return up < 0.0;
+        }
+        let vote = |asked: &Asked| {
+            let is_up = match asked.gaps.map(|gap| gap.filter(|gap| *gap <= near)) {
+                [Some(below), Some(above)] => below <= above,
+                [None, None] => asked.up.z >= 0.0,
+                [below, _] => below.is_some(),
+            };
+            if is_up { asked.area } else { -asked.area }
+        };
+        self.asked.iter().map(vote).sum::<f64>() < 0.0
+    }
+}
+
+/// Asks some triangles of a piece.
+fn ask(sheet: &Sheet, piece: &[(u32, bool)], stack: &Stack, from_plate: f64) -> Vec<Asked> {
+    let step = piece.len().div_ceil(ASKED);
+    let one = |&(triangle, is_against): &(u32, bool)| {
+        let [a, b, c] = sheet.corners(&sheet.triangles[triangle as usize]);
+        let normal = (b - a).cross(&(c - a)) * if is_against { -0.5 } else { 0.5 };
+        let up = normal.try_normalize(0.0)?;
+        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let gaps = [up, -up].map(|up| below(stack, middle, up, sheet.rank, from_plate));
+        Some(Asked { up, area: normal.norm() * step as f64, gaps })
+    };
+    piece.iter().step_by(step).filter_map(one).collect()
+}
+
+/// Triangles that are joined by edges of two triangles, each with whether it is turned against the first one of its piece.
+fn pieces(triangles: &[[u32; 3]]) -> Vec<Vec<(u32, bool)>> {
+    let mut edges: Vec<([u32; 2], u32, bool)> = Vec::with_capacity(3 * triangles.len());
+    for (triangle, corners) in (0..).zip(triangles) {
+        for k in 0..3 {
+            let [a, b] = [corners[k], corners[(k + 1) % 3]];
+            edges.push(([a.min(b), a.max(b)], triangle, a < b));
+        }
+    }
+    edges.sort_unstable();
+    let mut beside = vec![Vec::new(); triangles.len()];
+    for shared in edges.chunk_by(|a, b| a.0 == b.0) {
+        if let [(_, one, forth), (_, two, also)] = *shared {
+            beside[one as usize].push((two, forth == also));
+            beside[two as usize].push((one, forth == also));
+        }
+    }
+    let mut is_known = vec![false; triangles.len()];
+    let mut pieces = Vec::new();
+    for first in 0..triangles.len() as u32 {
+        if std::mem::replace(&mut is_known[first as usize], true) {
+            continue;
+        }
+        let mut piece = vec![(first, false)];
+        let mut next = 0;
+        while let Some(&(triangle, is_against)) = piece.get(next) {
+            next += 1;
+            for &(other, differs) in &beside[triangle as usize] {
+                if !std::mem::replace(&mut is_known[other as usize], true) {
+                    piece.push((other, is_against ^ differs));
+                }
+            }
+        }
+        pieces.push(piece);
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_of_a_piece_look_one_way() {
+        // A square whose second half is turned, and a triangle beside it that shares a corner only.
+        let found = pieces(&[[0, 1, 2], [0, 3, 2], [2, 4, 5]]);
+        assert_eq!(found, vec![vec![(0, false), (1, false)], vec![(2, false)]]);
+        assert_eq!(pieces(&[[0, 1, 2], [0, 2, 3]])[0], [(0, false), (1, false)].to_vec());
+        assert_eq!(pieces(&[[0, 1, 2], [2, 0, 3]]).len(), 1);
+    }
+}
