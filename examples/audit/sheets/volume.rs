@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 
 /// Covers what layers fill: patches as thick as they are, larger by `slack` to all sides.
 pub fn cover(volume: &mut Volume, patches: &[Patch], slack: f64) {
+    let slack = slack + ROUNDING_MM;
     for patch in patches.iter().filter(|patch| !patch.is_support) {
         let [a, b, c] = patch.corners;
         let reach = Vector3::repeat(patch.slab[0].max(patch.slab[1]) + slack);
@@ -14,6 +15,9 @@ pub fn cover(volume: &mut Volume, patches: &[Patch], slack: f64) {
         volume.cover_where(bounds, |at| has(patch, slack, at));
     }
 }
+
+/// Places on the edge between two patches are in one of them.
+const ROUNDING_MM: f64 = 1e-9;
 
 fn has(patch: &Patch, slack: f64, at: &Point3<f64>) -> bool {
     // Along the normal of the nozzle to the plane of the patch.
