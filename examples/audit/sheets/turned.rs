@@ -1,5 +1,5 @@
-//! Which side of a layer the nozzle is on. Triangles of a piece are turned alike. A level piece then looks up; a steep one, as layers around a core are, looks
-//! away from what is beside it and was laid before.
+//! Which side of a layer the nozzle is on. Triangles of a piece are turned alike, as most of them look. Then a level surface looks up; a steep one, as layers
+//! around a core are, looks away from what is beside it and was laid before. Its pieces are turned together: what grows downwards in one place looks down there.
 
 use super::sheet::Sheet;
 use super::slabs::percentiles;
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 const ASKED: usize = 60;
 /// A plate under a surface that leans more than this (the cosine) is not below it.
 const ON_PLATE: f64 = 1e-3;
-/// Pieces whose mean normal leans less than this (the cosine) are level: a nozzle comes from above. On others it may come from below.
+/// Surfaces whose mean normal leans less than this (the cosine) are level: a nozzle comes from above. On others it may come from below.
 const LEVEL: f64 = 0.5;
-/// What is farther than so many heights is not beside a piece.
+/// What is farther than so many heights is not beside a surface.
 const NEAR_HEIGHTS: f64 = 1.5;
 
 /// What was turned, and what was found on the way.
@@ -23,7 +23,7 @@ pub struct Turned {
     pub pieces: usize,
     /// Pieces of the layer that has most.
     pub most_pieces: usize,
-    /// Layers of which a piece was turned over.
+    /// Layers of which a surface was turned over.
     pub layers: usize,
     /// Triangles that were turned unlike their neighbours.
     pub triangles: usize,
@@ -39,9 +39,9 @@ struct Asked {
     gaps: [Option<f64>; 2],
 }
 
-/// A piece: triangles, each with whether it is turned against the first.
-struct Piece {
-    triangles: Vec<(u32, bool)>,
+/// A surface in pieces: triangles, each with whether it is turned against most of its piece.
+struct Pieces {
+    all: Vec<Vec<(u32, bool)>>,
     asked: Vec<Asked>,
 }
 
@@ -58,12 +58,13 @@ pub fn below(stack: &Stack, at: Point3<f64>, normal: Vector3<f64>, rank: u32, fr
 /// * `from_plate`: how high the first layer is if its surface is a millimetre above the plate.
 /// * `height`: of layers, where it is given.
 pub fn turn(sheets: &mut [Sheet], stack: &Stack, from_plate: f64, height: Option<f64>) -> Turned {
-    let of_sheet = |sheet: &Sheet| -> Vec<Piece> {
-        let all = pieces(&sheet.triangles).into_iter();
-        all.map(|triangles| Piece { asked: ask(sheet, &triangles, stack, from_plate), triangles }).collect()
+    let of_sheet = |sheet: &Sheet| {
+        let all = pieces(&sheet.triangles);
+        let asked = all.iter().flat_map(|piece| ask(sheet, piece, stack, from_plate)).collect();
+        Pieces { all, asked }
     };
-    let pieces: Vec<Vec<Piece>> = sheets.par_iter().map(of_sheet).collect();
-    let asked = pieces.iter().flatten().flat_map(|piece| &piece.asked);
+    let pieces: Vec<Pieces> = sheets.par_iter().map(of_sheet).collect();
+    let asked = pieces.iter().flat_map(|pieces| &pieces.asked);
     let nearest = asked.filter_map(|asked| Some((asked.gaps.into_iter().flatten().reduce(f64::min)?, asked.area)));
     let measured = percentiles(nearest.collect(), [0.5]).map(|[median]| median);
     let mut turned = Turned { height: height.or(measured), ..Turned::default() };
@@ -73,19 +74,16 @@ pub fn turn(sheets: &mut [Sheet], stack: &Stack, from_plate: f64, height: Option
         if in_layer.0 != Some(sheet.rank) {
             in_layer = (Some(sheet.rank), 0, false);
         }
-        in_layer.1 += pieces.len();
-        turned.pieces += pieces.len();
+        in_layer.1 += pieces.all.len();
+        turned.pieces += pieces.all.len();
         turned.most_pieces = turned.most_pieces.max(in_layer.1);
-        for piece in pieces {
-            let against = piece.triangles.iter().filter(|(_, is_against)| *is_against).count();
-            turned.triangles += against.min(piece.triangles.len() - against);
-            let is_over = piece.is_over(near);
-            // What most of its triangles say is what the file says.
-            let file_is_over = 2 * against > piece.triangles.len();
-            if is_over != file_is_over && !std::mem::replace(&mut in_layer.2, true) {
-                turned.layers += 1;
-            }
-            for &(triangle, _) in piece.triangles.iter().filter(|(_, is_against)| *is_against != is_over) {
+        let is_over = is_over(&pieces.asked, near);
+        if is_over && !std::mem::replace(&mut in_layer.2, true) {
+            turned.layers += 1;
+        }
+        for &(triangle, is_against) in pieces.all.iter().flatten() {
+            turned.triangles += usize::from(is_against);
+            if is_against != is_over {
                 sheet.triangles[triangle as usize].swap(1, 2);
             }
         }
@@ -94,24 +92,22 @@ pub fn turn(sheets: &mut [Sheet], stack: &Stack, from_plate: f64, height: Option
     turned
 }
 
-impl Piece {
-    /// Whether its first triangle looks the wrong way.
-    fn is_over(&self, near: f64) -> bool {
-        let area: f64 = self.asked.iter().map(|asked| asked.area).sum();
-        let up: f64 = self.asked.iter().map(|asked| asked.up.z * asked.area).sum();
-        if up.abs() >= LEVEL * area {
-            return up < 0.0;
-        }
-        let vote = |asked: &Asked| {
-            let is_up = match asked.gaps.map(|gap| gap.filter(|gap| *gap <= near)) {
-                [Some(below), Some(above)] => below <= above,
-                [None, None] => asked.up.z >= 0.0,
-                [below, _] => below.is_some(),
-            };
-            if is_up { asked.area } else { -asked.area }
-        };
-        self.asked.iter().map(vote).sum::<f64>() < 0.0
+/// Whether a surface looks the wrong way.
+fn is_over(asked: &[Asked], near: f64) -> bool {
+    let area: f64 = asked.iter().map(|asked| asked.area).sum();
+    let up: f64 = asked.iter().map(|asked| asked.up.z * asked.area).sum();
+    if up.abs() >= LEVEL * area {
+        return up < 0.0;
     }
+    let vote = |asked: &Asked| {
+        let is_up = match asked.gaps.map(|gap| gap.filter(|gap| *gap <= near)) {
+            [Some(below), Some(above)] => below <= above,
+            [None, None] => asked.up.z >= 0.0,
+            [below, _] => below.is_some(),
+        };
+        if is_up { asked.area } else { -asked.area }
+    };
+    asked.iter().map(vote).sum::<f64>() < 0.0
 }
 
 /// Asks some triangles of a piece.
@@ -128,7 +124,7 @@ fn ask(sheet: &Sheet, piece: &[(u32, bool)], stack: &Stack, from_plate: f64) -> 
     piece.iter().step_by(step).filter_map(one).collect()
 }
 
-/// Triangles that are joined by edges of two triangles, each with whether it is turned against the first one of its piece.
+/// Triangles that are joined by edges of two triangles, each with whether it is turned against most of its piece; of equally many, against the first.
 fn pieces(triangles: &[[u32; 3]]) -> Vec<Vec<(u32, bool)>> {
     let mut edges: Vec<([u32; 2], u32, bool)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in (0..).zip(triangles) {
@@ -161,6 +157,10 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<Vec<(u32, bool)>> {
                 }
             }
         }
+        let against = piece.iter().filter(|(_, is_against)| *is_against).count();
+        if 2 * against > piece.len() {
+            piece.iter_mut().for_each(|(_, is_against)| *is_against = !*is_against);
+        }
         pieces.push(piece);
     }
     pieces
@@ -174,8 +174,9 @@ mod tests {
     fn triangles_of_a_piece_look_one_way() {
         // A square whose second half is turned, and a triangle beside it that shares a corner only.
         let found = pieces(&[[0, 1, 2], [0, 3, 2], [2, 4, 5]]);
-        assert_eq!(found, vec![vec![(0, false), (1, false)], vec![(2, false)]]);
-        assert_eq!(pieces(&[[0, 1, 2], [0, 2, 3]])[0], [(0, false), (1, false)].to_vec());
-        assert_eq!(pieces(&[[0, 1, 2], [2, 0, 3]]).len(), 1);
+        assert_eq!(found, vec![vec![(0, false), (1, true)], vec![(2, false)]]);
+        assert_eq!(pieces(&[[0, 1, 2], [0, 2, 3]]), vec![vec![(0, false), (1, false)]]);
+        // Most of a strip decide.
+        assert_eq!(pieces(&[[0, 2, 1], [0, 2, 3], [0, 3, 4]]), vec![vec![(0, true), (1, false), (2, false)]]);
     }
 }
