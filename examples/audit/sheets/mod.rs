@@ -95,6 +95,10 @@ fn notes(sheets: &mut Sheets, turned: &Turned, height: f64) -> Vec<Finding> {
         let what = "triangles that look another way than their neighbours were turned";
         notes.push(Finding::new(Severity::Warning, what, counted(turned.triangles, "triangle"), ""));
     }
+    if turned.closed > 0 {
+        let what = "surfaces have no border: a body, such as the part, is no layer";
+        notes.push(Finding::new(Severity::Warning, what, format!("{} of {}", turned.closed, sheets.sheets.len()), ""));
+    }
     let [low, _] = part_bounds(sheets);
     let lowest = sheets.sheets.iter().flat_map(|sheet| &sheet.vertices).map(|at| at.z).fold(low.z, f64::min);
     if !(-height..=FAR_HEIGHTS * height).contains(&lowest) {

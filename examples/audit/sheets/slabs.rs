@@ -3,7 +3,6 @@
 use super::super::args::LayerSide;
 use super::patches::Patch;
 use super::stack::Stack;
-use super::turned::below;
 use rayon::prelude::*;
 
 /// How thick layers are.
@@ -43,7 +42,7 @@ pub fn set(patches: &mut [Patch], stack: &Stack, side: LayerSide, height: f64, r
     let near = reach * height;
     let work = |patch: &mut Patch| {
         let (at, rank) = (patch.middle(), patch.rank);
-        let gap = below(stack, at, patch.normal, rank, from_plate(side)).unwrap_or(f64::INFINITY);
+        let gap = stack.below(at, patch.normal, rank, from_plate(side)).unwrap_or(f64::INFINITY);
         let is_near = |gap: &f64| *gap <= near;
         let own = Some(gap).filter(is_near).unwrap_or(height);
         patch.slab = match side {

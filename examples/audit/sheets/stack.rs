@@ -10,6 +10,9 @@ const BEHIND: f64 = 1e-6;
 /// A line that passes beside an edge by no more than this share of a triangle meets it: it must not slip through between two of them.
 const EDGE: f64 = 1e-9;
 
+/// A plate under a surface that leans more than this (the cosine) is not below it.
+const ON_PLATE: f64 = 1e-3;
+
 /// All triangles.
 pub struct Stack {
     triangles: Vec<[Point3<f64>; 3]>,
@@ -32,6 +35,13 @@ impl Stack {
         let mut line = Line { stack: self, from, way, ranks, best: reach, is_met: false };
         self.boxes.look(&mut line);
         line.is_met.then_some(line.best.max(0.0))
+    }
+
+    /// How far it is from a place against a unit normal to a layer before one, or to the plate: as far as that would be if it were `from_plate` times as far.
+    pub fn below(&self, at: Point3<f64>, normal: Vector3<f64>, rank: u32, from_plate: f64) -> Option<f64> {
+        let to_plate = (normal.z > ON_PLATE).then(|| (at.z / normal.z).max(0.0) * from_plate);
+        let to_layer = self.along(at, -normal, 0..rank, f64::INFINITY);
+        [to_plate, to_layer].into_iter().flatten().reduce(f64::min)
     }
 
     /// How far the nearest accepted point of some layers is, if that is within `reach`: of each triangle the nearest point is asked for.

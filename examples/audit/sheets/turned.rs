@@ -9,8 +9,6 @@ use rayon::prelude::*;
 
 /// Triangles of a piece that are asked, about.
 const ASKED: usize = 60;
-/// A plate under a surface that leans more than this (the cosine) is not below it.
-const ON_PLATE: f64 = 1e-3;
 /// Surfaces whose mean normal leans less than this (the cosine) are level: a nozzle comes from above. On others it may come from below.
 const LEVEL: f64 = 0.5;
 /// What is farther than so many heights is not beside a surface.
@@ -27,6 +25,8 @@ pub struct Turned {
     pub layers: usize,
     /// Triangles that were turned unlike their neighbours.
     pub triangles: usize,
+    /// Surfaces without a border.
+    pub closed: usize,
     /// How high layers are in the rules, if that is known.
     pub height: Option<f64>,
 }
@@ -42,14 +42,8 @@ struct Asked {
 /// A surface in pieces: triangles, each with whether it is turned against most of its piece.
 struct Pieces {
     all: Vec<Vec<(u32, bool)>>,
+    is_closed: bool,
     asked: Vec<Asked>,
-}
-
-/// How far it is from a place against a normal to an earlier layer or the plate.
-pub fn below(stack: &Stack, at: Point3<f64>, normal: Vector3<f64>, rank: u32, from_plate: f64) -> Option<f64> {
-    let to_plate = (normal.z > ON_PLATE).then(|| (at.z / normal.z).max(0.0) * from_plate);
-    let to_layer = stack.along(at, -normal, 0..rank, f64::INFINITY);
-    [to_plate, to_layer].into_iter().flatten().reduce(f64::min)
 }
 
 /// Turns all sheets, and sets their normals.
@@ -59,9 +53,9 @@ pub fn below(stack: &Stack, at: Point3<f64>, normal: Vector3<f64>, rank: u32, fr
 /// * `height`: of layers, where it is given.
 pub fn turn(sheets: &mut [Sheet], stack: &Stack, from_plate: f64, height: Option<f64>) -> Turned {
     let of_sheet = |sheet: &Sheet| {
-        let all = pieces(&sheet.triangles);
+        let (all, is_closed) = pieces(&sheet.triangles);
         let asked = all.iter().flat_map(|piece| ask(sheet, piece, stack, from_plate)).collect();
-        Pieces { all, asked }
+        Pieces { all, is_closed, asked }
     };
     let pieces: Vec<Pieces> = sheets.par_iter().map(of_sheet).collect();
     let asked = pieces.iter().flat_map(|pieces| &pieces.asked);
@@ -76,6 +70,7 @@ pub fn turn(sheets: &mut [Sheet], stack: &Stack, from_plate: f64, height: Option
         }
         in_layer.1 += pieces.all.len();
         turned.pieces += pieces.all.len();
+        turned.closed += usize::from(pieces.is_closed);
         turned.most_pieces = turned.most_pieces.max(in_layer.1);
         let is_over = is_over(&pieces.asked, near);
         if is_over && !std::mem::replace(&mut in_layer.2, true) {
@@ -118,14 +113,15 @@ fn ask(sheet: &Sheet, piece: &[(u32, bool)], stack: &Stack, from_plate: f64) -> 
         let normal = (b - a).cross(&(c - a)) * if is_against { -0.5 } else { 0.5 };
         let up = normal.try_normalize(0.0)?;
         let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-        let gaps = [up, -up].map(|up| below(stack, middle, up, sheet.rank, from_plate));
+        let gaps = [up, -up].map(|up| stack.below(middle, up, sheet.rank, from_plate));
         Some(Asked { up, area: normal.norm() * step as f64, gaps })
     };
     piece.iter().step_by(step).filter_map(one).collect()
 }
 
-/// Triangles that are joined by edges of two triangles, each with whether it is turned against most of its piece; of equally many, against the first.
-fn pieces(triangles: &[[u32; 3]]) -> Vec<Vec<(u32, bool)>> {
+/// Triangles that are joined by edges of two triangles, each with whether it is turned against most of its piece; of equally many, against the first. And
+/// whether no edge is of one triangle alone.
+fn pieces(triangles: &[[u32; 3]]) -> (Vec<Vec<(u32, bool)>>, bool) {
     let mut edges: Vec<([u32; 2], u32, bool)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in (0..).zip(triangles) {
         for k in 0..3 {
@@ -134,6 +130,7 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<Vec<(u32, bool)>> {
         }
     }
     edges.sort_unstable();
+    let is_closed = edges.chunk_by(|a, b| a.0 == b.0).all(|shared| shared.len() > 1);
     let mut beside = vec![Vec::new(); triangles.len()];
     for shared in edges.chunk_by(|a, b| a.0 == b.0) {
         if let [(_, one, forth), (_, two, also)] = *shared {
@@ -163,7 +160,7 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<Vec<(u32, bool)>> {
         }
         pieces.push(piece);
     }
-    pieces
+    (pieces, is_closed)
 }
 
 #[cfg(test)]
@@ -174,9 +171,10 @@ mod tests {
     fn triangles_of_a_piece_look_one_way() {
         // A square whose second half is turned, and a triangle beside it that shares a corner only.
         let found = pieces(&[[0, 1, 2], [0, 3, 2], [2, 4, 5]]);
-        assert_eq!(found, vec![vec![(0, false), (1, true)], vec![(2, false)]]);
-        assert_eq!(pieces(&[[0, 1, 2], [0, 2, 3]]), vec![vec![(0, false), (1, false)]]);
+        assert_eq!(found, (vec![vec![(0, false), (1, true)], vec![(2, false)]], false));
+        assert_eq!(pieces(&[[0, 1, 2], [0, 2, 3]]).0, vec![vec![(0, false), (1, false)]]);
         // Most of a strip decide.
-        assert_eq!(pieces(&[[0, 2, 1], [0, 2, 3], [0, 3, 4]]), vec![vec![(0, true), (1, false), (2, false)]]);
+        assert_eq!(pieces(&[[0, 2, 1], [0, 2, 3], [0, 3, 4]]).0, vec![vec![(0, true), (1, false), (2, false)]]);
+        assert!(pieces(&[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]).1);
     }
 }

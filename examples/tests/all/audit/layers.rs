@@ -305,6 +305,10 @@ fn slips_and_bad_files_are_findings_or_one_line() {
     assert!(!passes && summary["absent"] == "shadowed,unsupported,in_air,gouged,uncovered,outside,laid_twice");
     let (summary, _) = of_flats("high", &[flat(20.0), flat(20.5)], &[]);
     assert!(summary["findings"].as_str().unwrap().contains("--plate"));
+    let (_, summary, _) = run("layers-body", &[&input("body.obj", &common::boxes_as_obj(&[[[0; 3], [4, 4, 4]]]))]);
+    assert!(
+        summary["findings"].as_str().unwrap().contains("have no border: a body, such as the part, is no layer: 1 of 1")
+    );
     let bad = [
         ("layer_1.obj", "", "the file is empty"),
         ("layer_2.obj", "v 0 0 0\n", "no triangles"),
