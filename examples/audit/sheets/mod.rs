@@ -80,7 +80,8 @@ pub fn audit(mut sheets: Sheets, args: &Args, part: Option<&Mesh>, bars: &Bars) 
     let judged = Judge::new(&stack, &patches, &nozzle, args, height).all(&patches);
     verdicts(&patches, &judged, args, height, &mut audited);
     coverage(&patches, args, height, part, &mut audited)?;
-    audited.pictures = drawn::pictures(&sheets.sheets, sheets.layers, &audited);
+    let slab = slabs::nominal(side, height);
+    audited.pictures = drawn::pictures(&sheets.sheets, sheets.layers, slab, &audited);
     Ok(audited)
 }
 

@@ -43,6 +43,19 @@ impl Sheet {
     }
 }
 
+/// Edges of triangles, sorted, each with its triangle and whether that runs along it from the lower number to the higher.
+pub fn edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], u32, bool)> {
+    let mut edges = Vec::with_capacity(3 * triangles.len());
+    for (triangle, corners) in (0..).zip(triangles) {
+        for k in 0..3 {
+            let [a, b] = [corners[k], corners[(k + 1) % 3]];
+            edges.push(([a.min(b), a.max(b)], triangle, a < b));
+        }
+    }
+    edges.sort_unstable();
+    edges
+}
+
 /// All layers.
 pub struct Sheets {
     /// By rising rank.

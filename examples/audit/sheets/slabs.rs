@@ -21,6 +21,14 @@ pub fn from_plate(side: LayerSide) -> f64 {
     }
 }
 
+/// How far a layer of some height goes below and above its surface.
+pub fn nominal(side: LayerSide, height: f64) -> [f64; 2] {
+    match side {
+        LayerSide::Middle => [0.5 * height; 2],
+        LayerSide::Top => [height, 0.0],
+    }
+}
+
 /// Values below which shares of the weight lie; none without weight.
 pub fn percentiles<const N: usize>(mut weighted: Vec<(f64, f64)>, shares: [f64; N]) -> Option<[f64; N]> {
     weighted.sort_by(|a, b| a.0.total_cmp(&b.0));

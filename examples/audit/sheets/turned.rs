@@ -1,7 +1,7 @@
 //! Which side of a layer the nozzle is on. Triangles of a piece are turned alike, as most of them look. Then a level surface looks up; a steep one, as layers
 //! around a core are, looks away from what is beside it and was laid before. Its pieces are turned together: what grows downwards in one place looks down there.
 
-use super::sheet::Sheet;
+use super::sheet::{Sheet, edges};
 use super::slabs::percentiles;
 use super::stack::Stack;
 use nalgebra::{Point3, Vector3};
@@ -122,14 +122,7 @@ fn ask(sheet: &Sheet, piece: &[(u32, bool)], stack: &Stack, from_plate: f64) -> 
 /// Triangles that are joined by edges of two triangles, each with whether it is turned against most of its piece; of equally many, against the first. And
 /// whether no edge is of one triangle alone.
 fn pieces(triangles: &[[u32; 3]]) -> (Vec<Vec<(u32, bool)>>, bool) {
-    let mut edges: Vec<([u32; 2], u32, bool)> = Vec::with_capacity(3 * triangles.len());
-    for (triangle, corners) in (0..).zip(triangles) {
-        for k in 0..3 {
-            let [a, b] = [corners[k], corners[(k + 1) % 3]];
-            edges.push(([a.min(b), a.max(b)], triangle, a < b));
-        }
-    }
-    edges.sort_unstable();
+    let edges = edges(triangles);
     let is_closed = edges.chunk_by(|a, b| a.0 == b.0).all(|shared| shared.len() > 1);
     let mut beside = vec![Vec::new(); triangles.len()];
     for shared in edges.chunk_by(|a, b| a.0 == b.0) {
