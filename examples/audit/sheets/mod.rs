@@ -71,6 +71,9 @@ pub fn audit(mut sheets: Sheets, args: &Args, part: Option<&Mesh>, bars: &Bars) 
     bars.update("surfaces", 1, 3);
     let edge = args.sheet.patch_mm.unwrap_or(EDGE_HEIGHTS * height);
     let mut patches = patches::cut(&sheets.sheets, edge, args.max_cells)?;
+    if patches.is_empty() {
+        return Err(Failure::new(format!("{}: no triangle of the layers has an area", args.input.display())));
+    }
     let reach = args.bead.support_distance;
     let gaps = slabs::set(&mut patches, &stack, side, height, reach);
     bars.update("surfaces", 2, 3);
