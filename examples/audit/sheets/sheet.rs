@@ -101,6 +101,13 @@ pub fn read(args: &Args) -> Result<Sheets, Failure> {
         layers += u32::from(at == 0 || sheets[at].number > sheets[at - 1].number);
         sheets[at].rank = layers - 1;
     }
+    if let ([(path, _), _, _, ..], 1) = (&found.files[..], layers) {
+        let (path, number) = (path.display(), sheets[0].number);
+        return Err(Failure::new(format!(
+            "{path}: in the names of all {} files the last number is {number}: it must be that of the layer",
+            found.files.len()
+        )));
+    }
     let (files, surfaces) = (counted(found.files.len(), "file"), counted(sheets.len(), "surface"));
     let meant = format!("layer meshes: {}, {surfaces} in {files}", counted(layers, "layer"));
     let mut notes = Vec::new();

@@ -337,6 +337,8 @@ fn slips_and_bad_files_are_findings_or_one_line() {
     refused(&[double.to_str().unwrap()], 1, "the same layer twice?");
     refused(&[double.to_str().unwrap(), &path("a.obj")], 2, "a folder, and further files");
     refused(&[&input("some.csv", "0.5,0.5,0.5,1\n"), &path("a.obj")], 2, "several files");
+    let same = folder("same", &[1, 2, 3].map(|k| (format!("layer_{k}_v2.obj"), text.clone())));
+    refused(&[same.to_str().unwrap()], 1, "in the names of all 3 files the last number is 2");
     let line = input("line.obj", "v 0 0 1\nv 1 0 1\nv 2 0 1\nf 1 2 3\n");
     refused(&[&line, "--layer-height", "1"], 1, "no triangle of the layers has an area");
     refused(&[&path("a.obj"), "--patch", "0.0001", "--max-cells", "1000"], 2, "--patch");
