@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The rows of "Audit of peers" in docs/benchmarks.md: what audit says of our prints, of a planar slicer's and of published tool paths.
+# The rows of "Audit of peers" in docs/benchmarks.md: what audit says of our prints, of a planar slicer's and of published tool paths; and of our layer meshes.
 # usage: benches/audit.sh FOLDER_OF_MESHES FOLDER_OF_WAYPOINTS [MODEL...]      AUDIT, PROGRAM: binaries, built in release mode unless set
 # Needs the public models and the published waypoints (the folder ../shared of the project; docs/benchmarks.md says which) and Debian's prusa-slicer.
 set -euo pipefail
@@ -20,14 +20,19 @@ audit=${AUDIT:-$binaries/audit}
 figure() { sed -n "s/^ *\"$1\": \"\{0,1\}\([^\",]*\)\"\{0,1\},\{0,1\}$/\1/p" "$out/audit/summary.json" | head -n 1; }
 share() { local value; value=$(figure "$1_share"); [ -z "$value" ] && echo absent || awk -v s="$value" 'BEGIN { printf "%.2f %%", 100 * s }'; }
 
-# A row: name, program, and the options of its audit. 3 is a finding, not a failure.
-row() {
-  local name=$1 status=0
-  shift
+# Runs an audit. 3 is a finding, not a failure.
+audited() {
+  local status=0
   rm -rf "$out/audit"
   "$audit" "$@" --quiet --out "$out/audit" >/dev/null 2>"$out/errors" || status=$?
   [ "$status" = 0 ] || [ "$status" = 3 ] || { cat "$out/errors" >&2; exit 1; }
-  local length
+}
+
+# A row: name, and the options of its audit.
+row() {
+  local name=$1 length
+  shift
+  audited "$@"
   length=$(awk -v mm="$(figure bead_length_mm)" 'BEGIN { printf "%.1f m", mm / 1e3 }')
   echo "| $name | $length | $(share unsupported) | $(share in_air) | $(share gouged) | $(share laid_twice) | $(share uncovered) | $(share outside) | $(figure starts) | $(figure sharp_turns) | $(figure layers) |"
 }
@@ -47,4 +52,22 @@ for model in "$@"; do
 done
 for path in "$waypoints"/maxis_*.txt; do
   row "$(basename "$path" .txt), published" "$path" --bead 0.8 --layer-height 0.6
+done
+
+# Layer meshes: heights of a twentieth, half and all but a twentieth of the area.
+echo
+echo '| layers | layers | area | heights, mm | tilt of 95 % | unsupported | in the air | gouged | laid twice | uncovered | outside |'
+echo '|---|---|---|---|---|---|---|---|---|---|---|'
+for model in "$@"; do
+  mesh=$meshes/$model.stl
+  for by in directed distance hull; do
+    "$program" "$mesh" --voxels 60000 --layer-height 0.3 --layers-by "$by" --stage surfaces --threads 1 --quiet --out "$out/ours" >/dev/null 2>"$out/errors" ||
+      [ $? = 3 ] || { cat "$out/errors" >&2; exit 1; }
+    audited "$out/ours/layers.obj" --mesh "$mesh"
+    area=$(awk -v mm2="$(figure layer_area_mm2)" 'BEGIN { printf "%.0f cm2", mm2 / 100 }')
+    heights=$(awk -v a="$(figure height_p05_mm)" -v b="$(figure height_median_mm)" -v c="$(figure height_p95_mm)" 'BEGIN { printf "%.2f / %.2f / %.2f", a, b, c }')
+    tilt=$(awk -v deg="$(figure tilt_p95_deg)" 'BEGIN { printf "%.0f deg", deg }')
+    echo "| $model, $by | $(figure layers) | $area | $heights | $tilt | $(share unsupported) | $(share in_air) | $(share gouged) | $(share laid_twice) | $(share uncovered) | $(share outside) |"
+    rm -rf "$out/ours"
+  done
 done

@@ -1,6 +1,6 @@
 //! The arguments, each declared once.
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use curvlay_examples::args::{Common, MeshArgs, above_zero, from_zero, share};
 use curvlay_examples::mesh::{Unit, Up};
 use std::path::PathBuf;
@@ -13,9 +13,13 @@ use std::path::PathBuf;
 #[derive(Parser, Clone, Debug)]
 #[command(version, name = "audit")]
 pub struct Args {
-    /// What to audit: an order of cells (.csv, .vtk), G-code (.gcode, .nc, ...), waypoints (.txt), or a folder of curved_layers
+    /// What to audit: an order of cells (.csv, .vtk), G-code (.gcode, .nc, ...), waypoints (.txt), layer meshes (.obj, .stl, .ply, or a folder of them), or
+    /// a folder of curved_layers
     #[arg(value_name = "INPUT", required = true)]
     pub input: PathBuf,
+    /// Further layer meshes; the last number in the name of each is its layer
+    #[arg(value_name = "MESH")]
+    pub more: Vec<PathBuf>,
     /// Millimetres in a unit of the input, and of --cell, --bead and --layer-height
     #[arg(long = "scale", value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero, allow_negative_numbers = true)]
     pub input_scale: f64,
@@ -61,11 +65,13 @@ pub struct Args {
     /// Diameter of the plate in millimetres, the least that carries the part if that is more
     #[arg(long = "platform-diameter", value_name = "MM", default_value_t = 0.0, value_parser = from_zero, allow_negative_numbers = true, help_heading = "Checks")]
     pub platform_mm: f64,
-    /// Edge of the cubes in which volumes are compared, in millimetres [default: half a cell, the height of a bead]
+    /// Edge of the cubes in which volumes are compared, in millimetres [default: half a cell, the height of a bead or layer]
     #[arg(long = "step", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true, help_heading = "Checks")]
     pub step_mm: Option<f64>,
     #[command(flatten)]
     pub(super) bead: BeadArgs,
+    #[command(flatten)]
+    pub(super) sheet: SheetArgs,
     #[command(flatten)]
     pub(super) common: Common,
 }
@@ -117,6 +123,33 @@ pub struct BeadArgs {
     /// Turns above this angle are sharp, in degrees
     #[arg(long = "sharp-turn", value_name = "DEG", default_value_t = 60.0, value_parser = turn, allow_negative_numbers = true)]
     pub sharp_deg: f64,
+}
+
+/// How layer meshes are meant. The options of beads count for them as well: a layer is as high as a bead.
+#[derive(clap::Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Layer meshes")]
+pub struct SheetArgs {
+    /// Where in its layer a surface lies
+    #[arg(long = "surface", value_name = "SIDE", default_value = "middle")]
+    pub side: LayerSide,
+    /// Axis of the files that points up
+    #[arg(long = "up", value_name = "AXIS", default_value = "z", allow_hyphen_values = true)]
+    pub layers_up: Up,
+    /// Height of the plate in the files, in millimetres
+    #[arg(long = "plate", value_name = "MM", default_value_t = 0.0, value_parser = place, allow_negative_numbers = true)]
+    pub plate_mm: f64,
+    /// Longest edge of the patches that are judged, in millimetres [default: two layer heights]
+    #[arg(long = "patch", value_name = "MM", value_parser = above_zero, allow_negative_numbers = true)]
+    pub patch_mm: Option<f64>,
+}
+
+/// Where in its layer a surface lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerSide {
+    /// In the middle: as much of the layer is above it as below
+    Middle,
+    /// On top: the tip of the nozzle runs on it
+    Top,
 }
 
 /// The part to compare with.
@@ -201,6 +234,10 @@ fn nozzle(text: &str) -> Result<[f64; 4], String> {
 fn within(text: &str, [min, max]: [f64; 2]) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (min..=max).contains(&value) { Ok(value) } else { Err(format!("must be from {min} to {max}")) }
+}
+
+fn place(text: &str) -> Result<f64, String> {
+    within(text, [-1e6, 1e6])
 }
 
 fn tilt(text: &str) -> Result<f64, String> {

@@ -1,6 +1,7 @@
 //! What the checks found: figures, places, and why a figure is absent.
 
 use curvlay_examples::count::counted;
+use curvlay_examples::findings::Finding;
 use nalgebra::Point3;
 
 /// What is looked for, in the order of the table.
@@ -86,7 +87,7 @@ pub struct Place {
 pub struct Found {
     /// How much.
     pub amount: f64,
-    /// Of what: `cells`, `mm`, `mm3`.
+    /// Of what: `cells`, `mm`, `mm2`, `mm3`.
     pub unit: &'static str,
     /// As a share of all, where that says something.
     pub share: Option<f64>,
@@ -128,6 +129,18 @@ impl Found {
     }
 }
 
+/// What an input lays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Laid {
+    /// Cells.
+    #[default]
+    Cells,
+    /// Beads.
+    Beads,
+    /// Surfaces of layers.
+    Layers,
+}
+
 /// An audit.
 #[derive(Clone, Debug, Default)]
 pub struct Audited {
@@ -137,10 +150,12 @@ pub struct Audited {
     pub about: Vec<(&'static str, f64)>,
     /// How the input was understood, in words.
     pub meant: String,
-    /// Whether beads were audited, by their options.
-    pub has_beads: bool,
+    /// What was laid, by whose options it was judged.
+    pub laid: Laid,
     /// Sizes that are no print's, in words.
     pub slips: Vec<String>,
+    /// What was decided on the way.
+    pub notes: Vec<Finding>,
     /// Pictures with their captions.
     pub pictures: Vec<(String, Vec<u8>)>,
 }

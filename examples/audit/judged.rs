@@ -29,6 +29,7 @@ pub fn find(args: &Args, audited: &Audited, findings: &mut Findings) {
             .cause("the numbers are probably not millimetres")
             .try_to("--scale with the millimetres in a unit of the input, such as 1000 for metres or 25.4 for inches");
     }
+    audited.notes.iter().for_each(|note| findings.push(note.clone()));
     for (check, verdict) in audited.in_order() {
         let Verdict::Found(found) = verdict else { continue };
         if found.amount <= 0.0 {

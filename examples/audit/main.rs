@@ -1,4 +1,4 @@
-//! Scores what any program makes, so that publications can quote it: orders of cells, G-code, waypoints. What the nozzle cannot reach, what lies on nothing or in
+//! Scores what any program makes, so that publications can quote it: orders of cells, G-code, waypoints, layer meshes. What the nozzle cannot reach, what lies on nothing or in
 //! the air, what it gouges, what is missing or laid twice.
 //!
 //! ```sh
@@ -17,6 +17,7 @@ mod outputs;
 mod part;
 mod programs;
 mod reach;
+mod sheets;
 mod slip;
 mod source;
 
@@ -34,7 +35,8 @@ use std::time::Instant;
 
 fn main() -> ExitCode {
     run_with_args(|args: Args| {
-        let inputs = [Some(args.input.as_path()), args.part.mesh.as_deref()];
+        let inputs = args.more.iter().map(|path| Some(path.as_path()));
+        let inputs = inputs.chain([Some(args.input.as_path()), args.part.mesh.as_deref()]);
         let folder = args.common.folder("audit", inputs, outputs::is_ours)?;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(args.common.threads).build()?;
         let (tables, outcome) = pool.install(|| work(&args, &Bars::new(args.common.quiet), &folder))?;
@@ -104,6 +106,11 @@ fn audited(source: &source::Source, part: Option<Mesh>, bars: &Bars) -> Result<A
             order.origin *= args.input_scale;
             let part = centred(args, part, [order.origin, cells::far(&order)]);
             cells::audit(&order, args, part.as_ref(), bars)
+        }
+        source::Kind::Layers => {
+            let layers = sheets::read(args)?;
+            let part = centred(args, part, sheets::part_bounds(&layers));
+            sheets::audit(layers, args, part.as_ref(), bars)
         }
         kind => {
             let read = if kind == source::Kind::Waypoints { programs::read_waypoints } else { programs::read_gcode };

@@ -1,9 +1,9 @@
 //! What the example leaves behind: a table on stdout, `summary.json`, `places.csv`, `report.html`.
 
 use super::args::Args;
-use super::figures::{Audited, Found, Verdict};
+use super::figures::{Audited, Found, Laid, Verdict};
 use super::judged;
-use curvlay_examples::args::Failure;
+use curvlay_examples::args::{Failure, typed_name};
 use curvlay_examples::findings::Findings;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::report::Report;
@@ -113,17 +113,7 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
         .set("platform_diameter_mm", args.platform_mm)?
         .set("max_cells", args.max_cells)?
         .set_all(&args.allow)?;
-    if audited.has_beads {
-        let bead = &args.bead;
-        summary
-            .set("support_distance_heights", bead.support_distance)?
-            .set("support_drop_heights", bead.support_drop)?
-            .set("air_reach_widths", bead.air_reach)?
-            .set("contact_heights", bead.contact)?
-            .set("overlap_share", bead.overlap)?
-            .set("slack_heights", bead.slack)?
-            .set("sharp_turn_deg", bead.sharp_deg)?;
-    }
+    rules(&mut summary, args, audited.laid)?;
     for (key, value) in &audited.about {
         number(&mut summary, key, *value)?;
     }
@@ -146,6 +136,29 @@ fn summary(run: &Run, time: Duration) -> Result<Summary, Failure> {
     findings.summary(&mut summary)?;
     summary.set_seconds("total_s", time)?;
     Ok(summary)
+}
+
+/// The options of what was laid.
+fn rules(summary: &mut Summary, args: &Args, laid: Laid) -> Result<(), Failure> {
+    let (bead, sheet) = (&args.bead, &args.sheet);
+    if laid == Laid::Cells {
+        return Ok(());
+    }
+    summary
+        .set("support_distance_heights", bead.support_distance)?
+        .set("support_drop_heights", bead.support_drop)?
+        .set("air_reach_widths", bead.air_reach)?
+        .set("contact_heights", bead.contact)?
+        .set("overlap_share", bead.overlap)?
+        .set("slack_heights", bead.slack)?;
+    match laid {
+        Laid::Layers => {
+            summary.set("surface", typed_name(sheet.side))?.set("up", typed_name(sheet.layers_up))?;
+            summary.set("plate_mm", sheet.plate_mm)?
+        }
+        _ => summary.set("sharp_turn_deg", bead.sharp_deg)?,
+    };
+    Ok(())
 }
 
 /// Counts are whole numbers in the summary.

@@ -1,6 +1,7 @@
 //! What kind of input it is: by its first bytes, and in a folder of `curved_layers` by its files.
 
 use super::args::Args;
+use super::sheets;
 use curvlay_examples::args::Failure;
 use curvlay_examples::facts::Facts;
 use curvlay_examples::input;
@@ -16,6 +17,8 @@ pub enum Kind {
     Gcode,
     /// Waypoints with directions.
     Waypoints,
+    /// Surfaces of layers.
+    Layers,
 }
 
 /// The input, and the options with what the run in its folder says.
@@ -29,33 +32,51 @@ pub struct Source {
 /// Bytes at the start of a file by which its kind is known: slicers begin with long comments.
 const HEAD_BYTES: u64 = 1 << 16;
 /// What a folder of ours has, in the order in which it is looked for.
-const OURS: [&str; 2] = ["toolpath.gcode", "field.csv"];
+const OURS: [&str; 3] = ["toolpath.gcode", "field.csv", SURFACES];
+/// The surfaces of the layers of a run of ours.
+const SURFACES: &str = "layers.obj";
 
 /// Finds out.
 ///
 /// # Errors
-/// A folder without a file of ours, a file that cannot be read.
+/// A folder without a file that is known, a file that cannot be read, several files that are not layers.
 pub fn of(args: &Args) -> Result<Source, Failure> {
     let mut args = args.clone();
     if args.input.is_dir() {
         let folder = args.input.clone();
-        let found = OURS.iter().map(|name| folder.join(name)).find(|path| path.is_file());
-        let none = || {
-            Failure::new(format!(
-                "{}: a folder without {}: is it the output of curved_layers?",
-                folder.display(),
-                OURS.join(" or ")
-            ))
-        };
-        args.input = found.ok_or_else(none)?;
-        let facts = Facts::read(&folder);
-        args.nozzle = args.nozzle.or(facts.nozzle());
-        args.layers_as_one = args.layers_as_one.or(facts.number("steps_per_layer").map(|steps| (steps as u32).max(1)));
-        args.bead.filament_mm = args.bead.filament_mm.or(facts.number("filament_diameter_mm"));
-        args.bead.height_mm = args.bead.height_mm.or(facts.number("layer_height_mm"));
+        match OURS.iter().map(|name| folder.join(name)).find(|path| path.is_file()) {
+            Some(ours) if args.more.is_empty() => args.input = ours,
+            _ if sheets::has_layers(&folder) => return Ok(Source { kind: Kind::Layers, args }),
+            _ => return Err(unknown(&folder)),
+        }
+        of_run(&mut args, &folder);
+    } else if args.input.file_name().is_some_and(|name| name == SURFACES) {
+        let folder = args.input.parent().unwrap_or(Path::new("")).to_owned();
+        of_run(&mut args, &folder);
     }
     let kind = kind_of(&args.input, &args)?;
+    if kind != Kind::Layers && !args.more.is_empty() {
+        let name = args.input.display();
+        return Err(Failure::of_arguments(format!("{name}: several files are read of layer meshes only")));
+    }
     Ok(Source { kind, args })
+}
+
+fn unknown(folder: &Path) -> Failure {
+    Failure::new(format!(
+        "{}: a folder without {}, and without layer meshes (.obj, .stl, .ply with numbers in their names): is it the output of curved_layers?",
+        folder.display(),
+        OURS.join(" or ")
+    ))
+}
+
+/// Takes what was not asked for otherwise from the run that left a folder.
+fn of_run(args: &mut Args, folder: &Path) {
+    let facts = Facts::read(folder);
+    args.nozzle = args.nozzle.or(facts.nozzle());
+    args.layers_as_one = args.layers_as_one.or(facts.number("steps_per_layer").map(|steps| (steps as u32).max(1)));
+    args.bead.filament_mm = args.bead.filament_mm.or(facts.number("filament_diameter_mm"));
+    args.bead.height_mm = args.bead.height_mm.or(facts.number("layer_height_mm"));
 }
 
 fn kind_of(path: &Path, args: &Args) -> Result<Kind, Failure> {
@@ -64,6 +85,9 @@ fn kind_of(path: &Path, args: &Args) -> Result<Kind, Failure> {
     let read = open.take(HEAD_BYTES).read_to_end(&mut head);
     read.map_err(|error| Failure::new(format!("{}: cannot be read: {error}", path.display())))?;
     let extension = path.extension().and_then(|name| name.to_str()).unwrap_or("").to_ascii_lowercase();
+    if sheets::is_mesh(path) {
+        return Ok(Kind::Layers);
+    }
     if args.machine.is_some()
         || ["gcode", "gco", "g", "nc", "ngc", "cnc", "tap", "bgcode"].contains(&extension.as_str())
     {

@@ -2,13 +2,13 @@
 
 mod drawn;
 mod laid;
-mod nozzle;
+pub mod nozzle;
 mod runs;
 mod shape;
 mod volume;
 
 use super::args::Args;
-use super::figures::{Audited, Check, Found, Place, Verdict};
+use super::figures::{Audited, Check, Found, Laid, Place, Verdict};
 use super::part::Volume;
 use super::programs::Program;
 use super::slip;
@@ -60,7 +60,7 @@ pub fn audit(program: &Program, args: &Args, part: Option<&Mesh>, bars: &Bars) -
     let paths = &program.paths;
     let height = args.bead.height_mm.unwrap_or_else(|| median_height(paths));
     let all: f64 = paths.iter().map(length).sum();
-    let mut audited = Audited { meant: program.meant.clone(), has_beads: true, ..Audited::default() };
+    let mut audited = Audited { meant: program.meant.clone(), laid: Laid::Beads, ..Audited::default() };
     audited.about = about(program, args, all, height);
     audited.absent(
         Check::Shadowed,

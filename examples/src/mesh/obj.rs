@@ -1,4 +1,4 @@
-//! Wavefront OBJ: its vertices and faces. Everything else in it (normals, textures, groups, lines) is passed over.
+//! Wavefront OBJ: its vertices and faces, and where groups and objects begin. Everything else in it (normals, textures, lines) is passed over.
 
 use super::fault::{MeshFault, Place, finite, quoted, syntax, three_numbers, unmarked};
 use super::weld::Welder;
@@ -32,6 +32,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Welder, MeshFault> {
                 }
                 welder.polygon(&polygon, place);
             }
+            Some("g" | "o") => welder.group(&words.collect::<Vec<_>>().join(" ")),
             _ => {}
         }
     }

@@ -3,10 +3,12 @@
 use super::fault::{MeshError, MeshFault};
 use super::formats::{Format, recognise};
 use super::triangles::Mesh;
+use super::weld::Welder;
 use super::{obj, ply, stl, threemf};
 use crate::finding::{Finding, Severity};
 use curvlay_voxel::OrientError;
 use curvlay_voxel::inspect::without_area;
+use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
@@ -48,7 +50,65 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, MeshError> {
     Ok(read_mesh_file(path)?.mesh)
 }
 
+/// Reads open surfaces: those of groups and objects of an OBJ file one by one, in the order of the file; of other formats one.
+///
+/// # Returns
+/// Each surface that has triangles, with its name: that of the last `g` or `o` before it, empty where there is none. Vertices without triangles are
+/// left out.
+///
+/// # Errors
+/// As [`read_mesh_file`].
+///
+/// # Example
+/// ```
+/// use curvlay_examples::mesh::read_surfaces;
+/// let path = std::env::temp_dir().join(format!("curvlay-surfaces-{}.obj", std::process::id()));
+/// std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\ng first\nf 1 2 3\ng empty\ng second\nf 3 2 1\n")?;
+/// let surfaces = read_surfaces(&path)?;
+/// std::fs::remove_file(&path)?;
+/// let names: Vec<&str> = surfaces.iter().map(|(name, _)| name.as_str()).collect();
+/// assert_eq!((names, surfaces[1].1.vertices.len()), (vec!["first", "second"], 3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_surfaces(path: &Path) -> Result<Vec<(String, Mesh)>, MeshError> {
+    let failed = |fault| MeshError { path: path.to_owned(), fault };
+    let Welder { mesh, groups, .. } = welded(path).map_err(failed)?;
+    let begins = [(String::new(), 0)].into_iter().chain(groups);
+    let ends: Vec<usize> = begins.clone().skip(1).map(|(_, first)| first).chain([mesh.triangles.len()]).collect();
+    let surfaces: Vec<(String, Mesh)> = begins
+        .zip(ends)
+        .filter(|((_, first), end)| first < end)
+        .map(|((name, first), end)| (name, part_of(&mesh, &mesh.triangles[first..end])))
+        .collect();
+    if surfaces.is_empty() { Err(failed(MeshFault::NoTriangles)) } else { Ok(surfaces) }
+}
+
+/// Some triangles of a mesh, with the vertices that they have.
+fn part_of(mesh: &Mesh, triangles: &[[u32; 3]]) -> Mesh {
+    let mut numbers = HashMap::new();
+    let mut part = Mesh::default();
+    for corners in triangles {
+        let corners = corners.map(|corner| {
+            *numbers.entry(corner).or_insert_with(|| {
+                part.vertices.push(mesh.vertices[corner as usize]);
+                part.vertices.len() as u32 - 1
+            })
+        });
+        part.triangles.push(corners);
+    }
+    part
+}
+
 fn read(path: &Path) -> Result<MeshFile, MeshFault> {
+    let welder = welded(path)?;
+    let states_unit = welder.states_unit;
+    let (mut mesh, mut findings) = welder.finish();
+    findings.extend(leave_out(&mut mesh)?);
+    if mesh.triangles.is_empty() { Err(MeshFault::NoTriangles) } else { Ok(MeshFile { mesh, findings, states_unit }) }
+}
+
+/// Parses a file.
+fn welded(path: &Path) -> Result<Welder, MeshFault> {
     if !fs::metadata(path).map_err(MeshFault::Unreadable)?.is_file() {
         return Err(MeshFault::NotAFile);
     }
@@ -57,16 +117,12 @@ fn read(path: &Path) -> Result<MeshFile, MeshFault> {
         return Err(MeshFault::Empty);
     }
     let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-    let welder = match recognise(&bytes, ending.as_deref())? {
+    match recognise(&bytes, ending.as_deref())? {
         Format::Stl => stl::parse(&bytes),
         Format::Obj => obj::parse(&bytes),
         Format::Ply => ply::parse(&bytes),
         Format::ThreeMf => threemf::parse(&bytes),
-    }?;
-    let states_unit = welder.states_unit;
-    let (mut mesh, mut findings) = welder.finish();
-    findings.extend(leave_out(&mut mesh)?);
-    if mesh.triangles.is_empty() { Err(MeshFault::NoTriangles) } else { Ok(MeshFile { mesh, findings, states_unit }) }
+    }
 }
 
 /// Leaves out the triangles without area that no neighbour needs.

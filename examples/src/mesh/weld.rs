@@ -33,6 +33,8 @@ pub(super) struct Welder {
     pub(super) mesh: Mesh,
     /// The file says in which unit its numbers are, and they were taken to millimetres.
     pub(super) states_unit: bool,
+    /// Names of groups, each with the first triangle behind it.
+    pub(super) groups: Vec<(String, usize)>,
     vertex_at: HashMap<[u64; 3], u32>,
     findings: Vec<Finding>,
     without_area: Tally,
@@ -80,6 +82,11 @@ impl Welder {
                 self.mesh.triangles.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
             }
         }
+    }
+
+    /// What follows belongs to a group.
+    pub(super) fn group(&mut self, name: &str) {
+        self.groups.push((name.to_owned(), self.mesh.triangles.len()));
     }
 
     /// Adds something that the reader decided.

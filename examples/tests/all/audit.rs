@@ -2,6 +2,7 @@
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
 mod beads;
+mod layers;
 
 // `main` and what it prints are of no use here.
 #[allow(dead_code)]
