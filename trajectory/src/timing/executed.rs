@@ -1,9 +1,10 @@
 //! The executed spline: how far it is from the program, and by how much time must be stretched for it.
 
 use super::curve::{Grid, Warp};
-use super::limits::{Task, What};
+use super::limits::Task;
 use super::program::Program;
 use super::result::{TimePathError, TimePathStatus, TimedMotion};
+use super::rows::unknown;
 use crate::Bounds;
 use crate::spline::{Timeline, Trajectory};
 
@@ -111,7 +112,7 @@ impl<const N: usize> Spline<N> {
     }
 }
 
-pub(super) fn times_of(program: &Program) -> Vec<f64> {
+pub(super) fn times_of<const N: usize>(program: &Program<N>) -> Vec<f64> {
     let last = program.x.len() - 1;
     let mut times = vec![0.0];
     let mut time = 0.0;
@@ -123,34 +124,40 @@ pub(super) fn times_of(program: &Program) -> Vec<f64> {
 }
 
 /// Moves the limits of the program by what the spline differs from it.
-fn correct<const N: usize>(
-    task: &Task<'_, N>,
-    grid: &Grid<N>,
-    spline: &Spline<N>,
-    program: &mut Program,
-    what: &[What],
-    up: f64,
-) {
-    let modelled = Modelled::new(program, what, grid.segments.len());
-    let Program { rows, upper, .. } = program;
-    for (row, what) in rows.iter_mut().zip(what) {
-        let (limit, scale, beyond) = match *what {
-            What::Flow | What::Spike => continue,
-            What::Acceleration { segment, joint } => {
-                let beyond = modelled.acceleration_beyond(spline, segment, joint);
-                (task.bounds.acceleration[joint], 1.0, beyond)
-            }
-            // The spline may pass a limit of jerk that only the program has.
-            What::Jerk { joint, .. } if task.jerk[joint] < task.bounds.jerk[joint] => continue,
-            What::Jerk { segments, joint, width, .. } => {
-                (task.bounds.jerk[joint], width, modelled.jerk_beyond(spline, segments, joint))
-            }
-        };
-        for (to, beyond) in row.limits.iter_mut().zip(beyond) {
-            let moved = scale * (limit - beyond).clamp(MOVES.start() * limit, MOVES.end() * limit);
+fn correct<const N: usize>(task: &Task<'_, N>, grid: &Grid<N>, spline: &Spline<N>, program: &mut Program<N>, up: f64) {
+    let modelled = Modelled::new(program);
+    let Bounds { acceleration, jerk, .. } = task.bounds;
+    let move_to = |to: &mut f64, limit: f64, beyond: f64| {
+        // What is not limited stays so.
+        if limit < f64::INFINITY {
+            let moved = (limit - beyond).clamp(MOVES.start() * limit, MOVES.end() * limit);
             *to += if moved < *to { DOWN } else { up } * (moved - *to);
         }
+    };
+    let segments = program.rows.segments();
+    let jumps: Vec<[bool; N]> =
+        (0..=segments).map(|knot| program.rows.place(knot).jump.map(|jump| jump != 0.0)).collect();
+    for (knot, limits) in program.rows.moved().iter_mut().enumerate() {
+        for j in 0..N {
+            if knot < segments {
+                let beyond = modelled.acceleration_beyond(spline, knot, j);
+                (0..2).for_each(|end| move_to(&mut limits.acceleration[end][j], acceleration[j], beyond[end]));
+            }
+            // The spline may pass a limit of jerk that only the program has.
+            if task.jerk[j] < jerk[j] {
+                continue;
+            }
+            let beside = [knot.max(1) - 1, knot.min(segments - 1)];
+            for (side, segment) in beside.into_iter().enumerate() {
+                // One row without a jump.
+                let of = if jumps[knot][j] { [segment; 2] } else { beside };
+                let beyond = modelled.jerk_beyond(spline, of, j);
+                (0..2).for_each(|end| move_to(&mut limits.jerk[side][end][j], jerk[j], beyond[end]));
+            }
+        }
     }
+    program.limits_moved();
+    let upper = &mut program.upper;
     for (k, upper) in upper.iter_mut().enumerate() {
         let mut faster = 1.0f64;
         for j in 0..N {
@@ -172,21 +179,20 @@ struct Modelled<const N: usize> {
 }
 
 impl<const N: usize> Modelled<N> {
-    fn new(program: &Program, what: &[What], segments: usize) -> Self {
-        let x = &program.x;
+    fn new(program: &Program<N>) -> Self {
+        let (rows, x) = (&program.rows, &program.x);
+        let segments = rows.segments();
         let mut modelled = Modelled { accelerations: vec![[0.0; N]; segments], jerks: vec![[[0.0; N]; 2]; segments] };
-        for (row, what) in program.rows.iter().zip(what) {
-            match *what {
-                What::Flow | What::Spike => {}
-                What::Acceleration { segment, joint } => modelled.accelerations[segment][joint] = row.value(x),
-                What::Jerk { knot, segments, joint, width } => {
-                    let root = row.rooted().map_or(1.0, |root| x[root].sqrt());
-                    for segment in segments {
-                        modelled.jerks[segment][usize::from(segment < knot)][joint] = row.value(x) * root / width;
-                    }
-                }
+        rows.each_knot(x, |knot, accelerations, differences| {
+            let scale = x[unknown(segments, knot)].sqrt() / rows.place(knot).distance();
+            if knot > 0 {
+                modelled.jerks[knot - 1][1] = differences[0].map(|difference| scale * difference);
             }
-        }
+            if knot < segments {
+                modelled.accelerations[knot] = *accelerations;
+                modelled.jerks[knot][0] = differences[1].map(|difference| scale * difference);
+            }
+        });
         modelled
     }
 
@@ -263,13 +269,12 @@ pub(super) fn run<const N: usize>(
     task: &Task<'_, N>,
     warp: &Warp,
     grid: &Grid<N>,
-    (mut program, what): (Program, &[What]),
+    mut program: Program<N>,
     mut iterations: usize,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<TimedMotion<N>, TimePathError> {
     let mut inner: Vec<[f64; N]> = grid.knots[1..grid.segments.len()].iter().map(|knot| knot.joints).collect();
-    let Rounds { best, ideal, residual, solved } =
-        rounds(task, grid, &inner, (&mut program, what), &mut iterations, stop)?;
+    let Rounds { best, ideal, residual, solved } = rounds(task, grid, &inner, &mut program, &mut iterations, stop)?;
     let Some(Best { pace, mut times, .. }) = best else { return Err(TimePathError::Range) };
     // The program's own limits of jerk end sooner than the first knots: there the ends are missed by more.
     if (0..N).any(|j| task.jerk[j] < task.bounds.jerk[j]) {
@@ -318,7 +323,7 @@ fn rounds<const N: usize>(
     task: &Task<'_, N>,
     grid: &Grid<N>,
     inner: &[[f64; N]],
-    (program, what): (&mut Program, &[What]),
+    program: &mut Program<N>,
     iterations: &mut usize,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<Rounds, TimePathError> {
@@ -346,7 +351,7 @@ fn rounds<const N: usize>(
         if !found.solved || round == options.rounds || left.max(gained) <= SETTLED * options.tolerance {
             break;
         }
-        correct(task, grid, &spline, program, what, UP / (1.0 + SLOWER * round as f64));
+        correct(task, grid, &spline, program, UP / (1.0 + SLOWER * round as f64));
         program.shrink(SLACK);
         program.centre(WARM, false);
     }
@@ -354,7 +359,7 @@ fn rounds<const N: usize>(
 }
 
 /// The pace at each knot: that of the program, slower where time was stretched; zero at both ends.
-fn paces<const N: usize>(grid: &Grid<N>, program: &Program, spline: &Spline<N>, times: &[f64]) -> Vec<f64> {
+fn paces<const N: usize>(grid: &Grid<N>, program: &Program<N>, spline: &Spline<N>, times: &[f64]) -> Vec<f64> {
     let pace = |knot: usize| {
         let slower = (times[knot + 1] - times[knot - 1]) / (spline.times[knot + 1] - spline.times[knot - 1]);
         grid.knots[knot].warp * program.x[knot - 1].sqrt() / slower

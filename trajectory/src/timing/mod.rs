@@ -25,6 +25,7 @@ mod options;
 mod program;
 mod result;
 mod row;
+mod rows;
 
 use crate::{Bounds, Progress, ProgressFn};
 use curve::{Curve, Grid};
@@ -92,7 +93,7 @@ pub fn time_path<const N: usize>(
     let task = task.resolved(duration);
     let (warp, parts) = task.layout(&curve);
     let mut grid = Grid::new(&curve, &warp, &parts, options.ramp);
-    let (mut program, mut rows) = task.program(&grid);
+    let mut program = task.program(&grid);
     let rough = program.solve(options.tolerance.max(ROUGH), options.iterations, &mut stop);
     if rough.stopped {
         return Err(TimePathError::Cancelled);
@@ -101,10 +102,10 @@ pub fn time_path<const N: usize>(
     if fine != parts {
         grid = Grid::new(&curve, &warp, &fine, options.ramp);
         let coarse = program;
-        (program, rows) = task.program(&grid);
+        program = task.program(&grid);
         program.start_like(&coarse);
     }
-    executed::run(&task, &warp, &grid, (program, &rows), rough.iterations, &mut stop)
+    executed::run(&task, &warp, &grid, program, rough.iterations, &mut stop)
 }
 
 /// About the least duration without limits of jerk, in seconds; `None` when it is stopped.
@@ -115,7 +116,7 @@ fn jerk_free_duration<const N: usize>(
 ) -> Option<f64> {
     let task = task.without_jerk();
     let (warp, parts) = task.layout(curve);
-    let (mut program, _) = task.program(&Grid::new(curve, &warp, &parts, task.options.ramp));
+    let mut program = task.program(&Grid::new(curve, &warp, &parts, task.options.ramp));
     let outcome = program.solve(ESTIMATE, ESTIMATE_STEPS, stop);
     (!outcome.stopped).then(|| program.time())
 }

@@ -9,7 +9,8 @@
 //! pentadiagonal, and a round costs linear time.
 
 use super::local::{RADIUS, smooth_minimum, window_sums};
-use super::row::{Near, Row};
+use super::row::Near;
+use super::rows::Rows;
 use crate::banded::Pentadiagonal;
 
 /// How near to the boundary a step may come.
@@ -17,10 +18,6 @@ const FRACTION: f64 = 0.98;
 
 /// A step leaves of each unknown at least this share: the tangents of `T` say nothing beyond.
 const MIN_SHARE: f64 = 0.1;
-
-/// A row takes part in the Newton step once less than this share of its limit is left. Other rows only bound the length
-/// of steps. On a print most rows never take part; with a smaller share steps are cut short more often.
-const NEAR: f64 = 0.5;
 
 /// Steps of different lengths along the path are taken if rows allow this share of them.
 const MIN_ALLOWED: f64 = 0.7;
@@ -63,18 +60,18 @@ struct Fields {
     most: Vec<f64>,
 }
 
-pub(super) struct Program {
+pub(super) struct Program<const N: usize> {
     /// Widths of the segments; the first and the last join an unknown with itself.
     pub widths: Vec<f64>,
     pub upper: Vec<f64>,
-    pub rows: Vec<Row>,
+    pub rows: Rows<N>,
     pub x: Vec<f64>,
     upper_multipliers: Vec<f64>,
     near: Vec<Near>,
 }
 
-impl Program {
-    pub fn new(widths: Vec<f64>, rows: Vec<Row>, unknowns: usize) -> Self {
+impl<const N: usize> Program<N> {
+    pub fn new(widths: Vec<f64>, rows: Rows<N>, unknowns: usize) -> Self {
         let one = vec![1.0; unknowns];
         Program { widths, upper: one.clone(), rows, x: one.clone(), upper_multipliers: one, near: Vec::new() }
     }
@@ -96,11 +93,7 @@ impl Program {
     /// The greatest factor of all unknowns that keeps all rows, given that a smaller one does, and leaves this share of
     /// the limits.
     pub fn factor(&self, left: f64) -> f64 {
-        let [mut constant, mut rooted] = [f64::INFINITY; 2];
-        for row in self.rows.iter().filter(|row| !row.is_linear) {
-            let least = if row.root.is_some() { &mut rooted } else { &mut constant };
-            *least = least.min(row.slack(&self.x));
-        }
+        let [constant, rooted] = self.rows.least_shares(&self.x);
         ((1.0 - left) * constant).min(((1.0 - left) * rooted).powf(2.0 / 3.0))
     }
 
@@ -116,7 +109,7 @@ impl Program {
     }
 
     /// Starts from the solution on a coarser grid.
-    pub fn start_like(&mut self, coarse: &Program) {
+    pub fn start_like(&mut self, coarse: &Program<N>) {
         let (mut segment, mut begin, mut sigma) = (0, 0.0, 0.0);
         for k in 0..self.x.len() {
             sigma += self.widths[k];
@@ -128,16 +121,11 @@ impl Program {
             let share = ((sigma - begin) / coarse.widths[segment]).min(1.0);
             self.x[k] = ((1.0 - share) * coarse.x[from] + share * coarse.x[to]).min(0.9 * self.upper[k]);
         }
-        // A constant more leaves second differences and allows more of them.
-        let mut more = 0.0f64;
-        for row in self.rows.iter().filter(|row| row.is_linear) {
-            let allowed = 0.9 * row.limits[0];
-            more = more.max(row.value(&self.x).abs() / allowed - row.rooted().map_or(0.0, |root| self.x[root]));
-        }
+        let more = self.rows.missing(&self.x);
         self.x.iter_mut().for_each(|x| *x += more);
         self.shrink(START_SLACK);
         self.near.clear();
-        self.rows.iter_mut().for_each(|row| row.is_near = false);
+        self.rows.unmark();
         self.centre(START_SHARE, true);
     }
 
@@ -151,7 +139,7 @@ impl Program {
             *z = if cold { usual } else { z.max(usual) };
         }
         for near in &mut self.near {
-            near.look(&self.rows[near.row], &self.x);
+            near.look(&self.x);
             for side in 0..2 {
                 let usual = product / near.slack[side];
                 near.multipliers[side] = if cold { usual } else { near.multipliers[side].max(usual) };
@@ -173,37 +161,34 @@ impl Program {
         }
         // Neighbours in memory as along the path; a stable sort merges two sorted parts in linear time.
         if self.near.len() > before {
-            self.near.sort_by_key(|near| near.row);
+            self.near.sort_by_key(|near| near.number);
+        }
+    }
+
+    /// Takes moved limits over into the rows that take part.
+    pub fn limits_moved(&mut self) {
+        for near in &mut self.near {
+            near.row.limits = self.rows.row(near.number).limits;
         }
     }
 
     /// Adds the rows that are near after a step. Returns whether one shortens it.
     fn add_near(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) -> bool {
         let n = self.x.len();
-        // The unknowns after the step, and the factors of limits that go with each; 1 for those that go with none.
         let mut ahead = self.x.clone();
         for ((x, by), step) in ahead.iter_mut().zip(dx).zip(&*step) {
             *x += step * by;
         }
-        let mut roots: Vec<f64> = ahead.iter().map(|x| 1.0 / x.sqrt()).collect();
-        roots.push(1.0);
+        let mut found = Vec::new();
+        self.rows.find_near(&ahead, &mut found);
         let mut is_shorter = false;
-        for (index, row) in self.rows.iter_mut().enumerate() {
-            if row.is_near {
-                continue;
-            }
-            let of = row.rooted().unwrap_or(n);
-            let scale = (1.0 - NEAR) * if row.is_linear { ahead[of] } else { roots[of] };
-            let after = row.value(&ahead);
-            if row.limits[0] * scale >= after && row.limits[1] * scale >= -after {
-                continue;
-            }
-            row.is_near = true;
-            let mut near = Near::new(index);
-            near.look(row, &self.x);
-            let at = row.middle(n);
+        for number in found {
+            self.rows.mark(number);
+            let mut near = Near::new(number, self.rows.row(number));
+            near.look(&self.x);
+            let at = near.row.middle(n);
             near.multipliers = near.slack.map(|slack| product(at) / slack);
-            near.move_by(row, dx);
+            near.move_by(dx);
             for side in 0..2 {
                 if near.slack_step[side] * step[at] < -FAR_FRACTION * near.slack[side] {
                     step[at] = -FAR_FRACTION * near.slack[side] / near.slack_step[side];
@@ -252,10 +237,9 @@ impl Program {
                 right[k] -= fields.aimed(k, -predicted[k] * upper_step[k]) / slack;
             }
             for near in &self.near {
-                let row = &self.rows[near.row];
-                let at = row.middle(n);
+                let at = near.row.middle(n);
                 let aim = |side: usize| fields.aimed(at, near.slack_step[side] * near.step[side]);
-                near.add(row, &mut right, [0, 1].map(|side| -aim(side) * near.inverse[side]));
+                near.add(&mut right, [0, 1].map(|side| -aim(side) * near.inverse[side]));
             }
             factors.solve(&mut right);
             self.steps(&right, &predicted, &mut upper_step, &mut fields);
@@ -270,7 +254,7 @@ impl Program {
                 *z += step * by;
             }
             for near in &mut self.near {
-                let step = fields.dual[self.rows[near.row].middle(n)];
+                let step = fields.dual[near.row.middle(n)];
                 for side in 0..2 {
                     near.multipliers[side] += step * near.step[side];
                 }
@@ -286,7 +270,7 @@ impl Program {
             *gap = (upper - x) * z;
         }
         for near in &self.near {
-            let at = self.rows[near.row].middle(self.x.len());
+            let at = near.row.middle(self.x.len());
             gap[at] += near.slack[0] * near.multipliers[0] + near.slack[1] * near.multipliers[1];
             sides[at] += 2.0;
         }
@@ -301,7 +285,7 @@ impl Program {
             after[k] = slack * (self.upper_multipliers[k] + dual[k].min(1.0) * upper_step[k]);
         }
         for near in &self.near {
-            let at = self.rows[near.row].middle(self.x.len());
+            let at = near.row.middle(self.x.len());
             let [step, dual_step] = [primal[at].min(1.0), dual[at].min(1.0)];
             for side in 0..2 {
                 let slack = near.slack[side] + step * near.slack_step[side];
@@ -327,7 +311,7 @@ impl Program {
     fn allowed(&mut self, dx: &[f64]) -> f64 {
         let mut whole = 1.0f64;
         for near in &mut self.near {
-            near.move_by(&self.rows[near.row], dx);
+            near.move_by(dx);
             for side in 0..2 {
                 if near.slack_step[side] * whole < -FRACTION * near.slack[side] {
                     whole = -FRACTION * near.slack[side] / near.slack_step[side];
@@ -349,10 +333,9 @@ impl Program {
             lagrangian[k] += z;
         }
         for near in &mut self.near {
-            let row = &self.rows[near.row];
-            near.look(row, &self.x);
-            near.add_curvature(row, band);
-            near.add(row, lagrangian, near.multipliers);
+            near.look(&self.x);
+            near.add_curvature(band);
+            near.add(lagrangian, near.multipliers);
         }
         time
     }
@@ -402,10 +385,9 @@ impl Program {
             }
         }
         for near in &mut self.near {
-            let row = &self.rows[near.row];
-            let at = row.middle(n);
+            let at = near.row.middle(n);
             let products = [0, 1].map(|side| fields.aimed(at, near.slack_step[side] * near.step[side]));
-            near.move_by(row, dx);
+            near.move_by(dx);
             for (side, product) in products.into_iter().enumerate() {
                 let z = near.multipliers[side];
                 near.step[side] = (product - z * near.slack_step[side]) * near.inverse[side] - z;
