@@ -2,8 +2,9 @@
 
 use super::curve::{Curve, Grid, Knot, Segment, Warp};
 use super::options::{FlowLimits, TimePathOptions};
+use super::place::Place;
 use super::program::Program;
-use super::rows::{Place, Rows};
+use super::rows::Rows;
 use crate::Bounds;
 
 /// Where nothing limits the pace, it stays below this many times the largest that the whole path allows everywhere.

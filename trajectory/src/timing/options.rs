@@ -27,10 +27,10 @@ impl TimePathOptions {
 }
 
 impl Default for TimePathOptions {
-    /// 0.1 % of the duration, 400 steps, 10 rounds, 2 knots for each piece, 24 for each ramp, a quarter of the time in which
+    /// 0.1 % of the duration, 400 steps, 2 rounds, 2 knots for each piece, 24 for each ramp, a quarter of the time in which
     /// the jerk limit reaches the acceleration limit.
     fn default() -> Self {
-        TimePathOptions { tolerance: 1e-3, iterations: 400, rounds: 10, subdivision: 2, ramp: 24, step: 0.25 }
+        TimePathOptions { tolerance: 1e-3, iterations: 400, rounds: 2, subdivision: 2, ramp: 24, step: 0.25 }
     }
 }
 

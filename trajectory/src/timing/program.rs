@@ -8,7 +8,8 @@
 //! never leaves the rows, and every iterate is a timing. A row has three neighbouring unknowns: the Newton matrix is
 //! pentadiagonal, and a round costs linear time.
 
-use super::local::{RADIUS, smooth_minimum, window_sums};
+use super::fields::Fields;
+use super::local::{RADIUS, smooth_minimum};
 use super::row::Near;
 use super::rows::Rows;
 use crate::banded::Pentadiagonal;
@@ -22,18 +23,6 @@ const MIN_SHARE: f64 = 0.1;
 /// Steps of different lengths along the path are taken if rows allow this share of them.
 const MIN_ALLOWED: f64 = 0.7;
 
-/// A step uses at most this share of the slack of a row that takes no part.
-const FAR_FRACTION: f64 = 0.9;
-
-/// The gap keeps at least this share of the residual of the Lagrangian's gradient: products that vanish before it leave
-/// the unknowns at the boundary, where steps are short.
-const GAP: f64 = 0.1;
-
-/// Slack, as a share of the limits, and products of slack and multiplier, in all as a share of the duration, at the
-/// beginning on the finer grid.
-const START_SLACK: f64 = 0.1;
-const START_SHARE: f64 = 1.0;
-
 /// What came of the iterations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outcome {
@@ -43,31 +32,14 @@ pub(super) struct Outcome {
     pub stopped: bool,
 }
 
-/// Fields over the unknowns.
-struct Fields {
-    /// How much of a step unknowns and multipliers allow.
-    primal: Vec<f64>,
-    dual: Vec<f64>,
-    /// Sums of the products of slacks and multipliers, the same after a step, and their number.
-    gap: Vec<f64>,
-    after: Vec<f64>,
-    sides: Vec<f64>,
-    /// Residual of the Lagrangian's gradient, times the unknown.
-    residual: Vec<f64>,
-    /// The product to aim at, the share of the products of steps that is corrected, and the largest aim.
-    centre: Vec<f64>,
-    bend: Vec<f64>,
-    most: Vec<f64>,
-}
-
 pub(super) struct Program<const N: usize> {
     /// Widths of the segments; the first and the last join an unknown with itself.
     pub widths: Vec<f64>,
     pub upper: Vec<f64>,
     pub rows: Rows<N>,
     pub x: Vec<f64>,
-    upper_multipliers: Vec<f64>,
-    near: Vec<Near>,
+    pub upper_multipliers: Vec<f64>,
+    pub near: Vec<Near>,
 }
 
 impl<const N: usize> Program<N> {
@@ -77,7 +49,7 @@ impl<const N: usize> Program<N> {
     }
 
     /// The unknowns of a segment.
-    fn ends(&self, segment: usize) -> (usize, usize) {
+    pub fn ends(&self, segment: usize) -> (usize, usize) {
         let last = self.x.len() - 1;
         (segment.saturating_sub(1), segment.min(last))
     }
@@ -88,117 +60,6 @@ impl<const N: usize> Program<N> {
             2.0 * width / (self.x[a].sqrt() + self.x[b].sqrt())
         };
         self.widths.iter().enumerate().map(of).sum()
-    }
-
-    /// The greatest factor of all unknowns that keeps all rows, given that a smaller one does, and leaves this share of
-    /// the limits.
-    pub fn factor(&self, left: f64) -> f64 {
-        let [constant, rooted] = self.rows.least_shares(&self.x);
-        ((1.0 - left) * constant).min(((1.0 - left) * rooted).powf(2.0 / 3.0))
-    }
-
-    /// Shrinks all unknowns together until every row has at least this share of its limit left.
-    pub fn shrink(&mut self, left: f64) {
-        let mut factor = self.factor(left);
-        for (x, upper) in self.x.iter().zip(&self.upper) {
-            factor = factor.min((1.0 - left) * upper / x);
-        }
-        if factor < 1.0 {
-            self.x.iter_mut().for_each(|x| *x *= factor);
-        }
-    }
-
-    /// Starts from the solution on a coarser grid.
-    pub fn start_like(&mut self, coarse: &Program<N>) {
-        let (mut segment, mut begin, mut sigma) = (0, 0.0, 0.0);
-        for k in 0..self.x.len() {
-            sigma += self.widths[k];
-            while segment + 1 < coarse.widths.len() && begin + coarse.widths[segment] < sigma {
-                begin += coarse.widths[segment];
-                segment += 1;
-            }
-            let (from, to) = coarse.ends(segment);
-            let share = ((sigma - begin) / coarse.widths[segment]).min(1.0);
-            self.x[k] = ((1.0 - share) * coarse.x[from] + share * coarse.x[to]).min(0.9 * self.upper[k]);
-        }
-        let more = self.rows.missing(&self.x);
-        self.x.iter_mut().for_each(|x| *x += more);
-        self.shrink(START_SLACK);
-        self.near.clear();
-        self.rows.unmark();
-        self.centre(START_SHARE, true);
-    }
-
-    /// Sets all multipliers so that each product with its slack is the same, or at least that.
-    pub fn centre(&mut self, share: f64, cold: bool) {
-        self.take_part(0.0);
-        let sides = 2 * self.near.len() + self.x.len();
-        let product = share * self.time() / sides as f64;
-        for ((z, x), upper) in self.upper_multipliers.iter_mut().zip(&self.x).zip(&self.upper) {
-            let usual = product / (upper - x);
-            *z = if cold { usual } else { z.max(usual) };
-        }
-        for near in &mut self.near {
-            near.look(&self.x);
-            for side in 0..2 {
-                let usual = product / near.slack[side];
-                near.multipliers[side] = if cold { usual } else { near.multipliers[side].max(usual) };
-            }
-        }
-    }
-
-    /// Lets rows take part that are near their limit at the unknowns, with this product of slack and multiplier.
-    fn take_part(&mut self, product: f64) {
-        self.take_part_ahead(&vec![0.0; self.x.len()], &mut vec![0.0; self.x.len()], |_| product);
-    }
-
-    /// The same after a step, which is shortened where such a row does not allow it.
-    fn take_part_ahead(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) {
-        let before = self.near.len();
-        // Another length of the step may bring it to other rows.
-        while self.add_near(dx, step, &product) {
-            smooth_minimum(step, RADIUS);
-        }
-        // Neighbours in memory as along the path; a stable sort merges two sorted parts in linear time.
-        if self.near.len() > before {
-            self.near.sort_by_key(|near| near.number);
-        }
-    }
-
-    /// Takes moved limits over into the rows that take part.
-    pub fn limits_moved(&mut self) {
-        for near in &mut self.near {
-            near.row.limits = self.rows.row(near.number).limits;
-        }
-    }
-
-    /// Adds the rows that are near after a step. Returns whether one shortens it.
-    fn add_near(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) -> bool {
-        let n = self.x.len();
-        let mut ahead = self.x.clone();
-        for ((x, by), step) in ahead.iter_mut().zip(dx).zip(&*step) {
-            *x += step * by;
-        }
-        let mut found = Vec::new();
-        self.rows.find_near(&ahead, &mut found);
-        let mut is_shorter = false;
-        for number in found {
-            self.rows.mark(number);
-            let mut near = Near::new(number, self.rows.row(number));
-            near.look(&self.x);
-            let at = near.row.middle(n);
-            near.multipliers = near.slack.map(|slack| product(at) / slack);
-            near.move_by(dx);
-            for side in 0..2 {
-                if near.slack_step[side] * step[at] < -FAR_FRACTION * near.slack[side] {
-                    step[at] = -FAR_FRACTION * near.slack[side] / near.slack_step[side];
-                    is_shorter = true;
-                }
-            }
-            near.step = [0.0; 2];
-            self.near.push(near);
-        }
-        is_shorter
     }
 
     /// Iterates until the gap is below `tolerance` of the value, from unknowns within all rows.
@@ -402,50 +263,9 @@ impl<const N: usize> Program<N> {
 }
 
 /// Shortens a step that takes a positive number below 0.
-fn shorten(reach: &mut f64, value: f64, step: f64) {
+#[inline]
+pub(super) fn shorten(reach: &mut f64, value: f64, step: f64) {
     if value + step * *reach < 0.0 {
         *reach = -value / step;
-    }
-}
-
-impl Fields {
-    fn new(n: usize) -> Self {
-        let zero = vec![0.0; n];
-        Fields {
-            primal: zero.clone(),
-            dual: zero.clone(),
-            gap: zero.clone(),
-            after: zero.clone(),
-            sides: zero.clone(),
-            residual: zero.clone(),
-            centre: zero.clone(),
-            bend: zero.clone(),
-            most: zero,
-        }
-    }
-
-    /// The predictor's aim.
-    fn aim_at_none(&mut self) {
-        self.centre.fill(0.0);
-        self.bend.fill(0.0);
-        self.most.fill(0.0);
-    }
-
-    /// The corrector's aim, from what the predictor leaves around each unknown.
-    fn aim(&mut self, least: f64) {
-        let [gap, after, sides, residual] =
-            [&self.gap, &self.after, &self.sides, &self.residual].map(|values| window_sums(values, RADIUS));
-        for k in 0..gap.len() {
-            let mean = gap[k] / sides[k];
-            let share = if gap[k] > 0.0 { (after[k] / gap[k]).clamp(0.0, 1.0).powi(3) } else { 0.0 };
-            self.centre[k] = (share * mean).max(GAP * residual[k] / sides[k]).max(least);
-            self.bend[k] = self.primal[k].min(1.0) * self.dual[k].min(1.0);
-            self.most[k] = 10.0 * mean.max(self.centre[k]);
-        }
-    }
-
-    /// The product of a slack and a multiplier to aim at, where the steps of the predictor have this product.
-    fn aimed(&self, at: usize, product: f64) -> f64 {
-        (self.centre[at] - self.bend[at] * product).clamp(0.0, self.most[at])
     }
 }

@@ -41,6 +41,7 @@ impl Row {
         Row { first, by, root: root.map(|root| (root - first) as u8), is_linear: false, limits }
     }
 
+    #[inline]
     pub fn value(&self, x: &[f64]) -> f64 {
         if let Some([a, b, c]) = x.get(self.first..self.first + 3) {
             return self.by[0] * a + self.by[1] * b + self.by[2] * c;
@@ -49,12 +50,20 @@ impl Row {
         self.by[0] * at(0) + self.by[1] * at(1) + self.by[2] * at(2)
     }
 
+    /// What the limits are multiplied by.
+    #[inline]
+    pub fn scale(&self, x: &[f64]) -> f64 {
+        self.rooted().map_or(1.0, |root| if self.is_linear { x[root] } else { 1.0 / x[root].sqrt() })
+    }
+
     /// The unknown in the middle, where the row is counted.
+    #[inline]
     pub fn middle(&self, unknowns: usize) -> usize {
         (self.first + 1).min(unknowns - 1)
     }
 
     /// The unknown that the limit goes with.
+    #[inline]
     pub fn rooted(&self) -> Option<usize> {
         self.root.map(|root| self.first + usize::from(root))
     }
@@ -67,6 +76,7 @@ impl Near {
     }
 
     /// Adds what the limits of its row curve the barrier by to a band of the Newton matrix.
+    #[inline]
     pub fn add_curvature(&self, band: &mut [[f64; 3]]) {
         let row = &self.row;
         let w = [self.multipliers[0] * self.inverse[0], self.multipliers[1] * self.inverse[1]];
@@ -97,6 +107,7 @@ impl Near {
         }
     }
 
+    #[inline]
     pub fn look(&mut self, x: &[f64]) {
         let row = &self.row;
         let value = row.value(x);
@@ -113,6 +124,7 @@ impl Near {
     }
 
     /// Adds the gradients of both sides times these numbers.
+    #[inline]
     pub fn add(&self, to: &mut [f64], push: [f64; 2]) {
         let row = &self.row;
         let along = push[0] - push[1];
@@ -124,6 +136,7 @@ impl Near {
         }
     }
 
+    #[inline]
     pub fn move_by(&mut self, dx: &[f64]) {
         let row = &self.row;
         let rise = row.value(dx);

@@ -8,7 +8,10 @@
 //! row where the third derivative of the path does not jump), the acceleration of each joint in the segment behind it, the rate of the
 //! flow there, and the spike.
 
+pub(super) use super::place::{Kind, unknown};
+use super::place::{KnotNear, Limits, Place, most_beyond, most_share};
 use super::row::Row;
+use std::ops::Range;
 
 /// A row takes part in the Newton step once less than this share of its limit is left. Other rows only bound the length
 /// of steps. On a print most rows never take part; with a smaller share steps are cut short more often.
@@ -20,63 +23,18 @@ const NEAR: f64 = 0.5;
 /// and 0.65 % with 0.05 (before local stretches).
 const SPIKE: f64 = 0.12;
 
-/// What the rows of a knot are made of.
-#[derive(Clone, Debug)]
-pub(super) struct Place<const N: usize> {
-    /// In the middle of the segment behind the knot, accelerations are `before beta_k + after beta_{k+1}`; zero behind the last.
-    pub before: [f64; N],
-    pub after: [f64; N],
-    /// By how much the third derivatives by `sigma` jump at the knot.
-    pub jump: [f64; N],
-    /// Of the segments before and behind the knot; 0 where there is none.
-    pub widths: [f64; 2],
-}
-
-/// Limits of one knot's rows, above and below.
-#[derive(Clone, Debug)]
-pub(super) struct Limits<const N: usize> {
-    pub acceleration: [[f64; N]; 2],
-    /// On the segments before and behind the knot.
-    pub jerk: [[[f64; N]; 2]; 2],
-}
-
 pub(super) struct Rows<const N: usize> {
     places: Vec<Place<N>>,
     /// Of all knots until limits move.
     common: Limits<N>,
+    /// One over the limits of acceleration and jerk.
+    inverse: [[f64; N]; 2],
     /// For each segment the coefficients of its two knots; empty without limit of the flow's rate.
     flow: Vec<[f64; 2]>,
     ramp: f64,
     /// For each knot; empty until limits move.
     moved: Vec<Limits<N>>,
-    is_near: Vec<bool>,
-}
-
-/// What a row limits.
-#[derive(Clone, Copy)]
-enum Kind {
-    /// On the segment before the knot (0) or behind it (1).
-    Jerk(usize, usize),
-    Acceleration(usize),
-    Flow,
-    Spike,
-}
-
-/// The unknown of a knot: unknown `k` belongs to knot `k + 1`, and the outermost knots share those of their neighbours.
-pub(super) fn unknown(segments: usize, knot: usize) -> usize {
-    knot.clamp(1, segments - 1) - 1
-}
-
-impl<const N: usize> Place<N> {
-    /// The distance of the middles of the segments on both sides.
-    pub fn distance(&self) -> f64 {
-        0.5 * (self.widths[0] + self.widths[1])
-    }
-
-    /// What of the jump the difference of accelerations misses on the segments on both sides: it holds the mean of both, by their widths.
-    fn shares(&self) -> [f64; 2] {
-        [-0.5 * self.widths[1], 0.5 * self.widths[0]]
-    }
+    near: Vec<KnotNear<N>>,
 }
 
 impl<const N: usize> Rows<N> {
@@ -88,9 +46,10 @@ impl<const N: usize> Rows<N> {
     /// * `flow`: for each segment what the squared paces at its knots count in the rate of the flow; empty for no limit.
     /// * `ramp`: the limit of that rate.
     pub fn new(places: Vec<Place<N>>, [acceleration, jerk]: [[f64; N]; 2], (flow, ramp): (Vec<[f64; 2]>, f64)) -> Self {
-        let is_near = vec![false; places.len() * Self::STRIDE];
+        let near = places.iter().map(Place::none_near).collect();
         let common = Limits { acceleration: [acceleration; 2], jerk: [[jerk; 2]; 2] };
-        Rows { places, common, flow, ramp, moved: Vec::new(), is_near }
+        let inverse = [acceleration, jerk].map(|limits| limits.map(f64::recip));
+        Rows { places, common, inverse, flow, ramp, moved: Vec::new(), near }
     }
 
     pub fn segments(&self) -> usize {
@@ -105,42 +64,61 @@ impl<const N: usize> Rows<N> {
         self.moved.get(knot).unwrap_or(&self.common)
     }
 
-    /// Limits of all knots' rows, to be moved.
-    pub fn moved(&mut self) -> &mut [Limits<N>] {
-        if self.moved.is_empty() {
-            self.moved = vec![self.common.clone(); self.places.len()];
+    /// Calls `change` with the two limits of each row but those of flow and spikes.
+    pub fn move_limits(&mut self, change: impl Fn(&Rows<N>, usize, Kind, [&mut f64; 2])) {
+        let mut moved = std::mem::take(&mut self.moved);
+        moved.resize(self.places.len(), self.common.clone());
+        for (knot, limits) in moved.iter_mut().enumerate() {
+            let Limits { acceleration: [above, below], jerk } = limits;
+            for (joint, ends) in above.iter_mut().zip(below).enumerate() {
+                change(self, knot, Kind::Acceleration(joint), ends.into());
+            }
+            for (side, [above, below]) in jerk.iter_mut().enumerate() {
+                for (joint, ends) in above.iter_mut().zip(below).enumerate() {
+                    change(self, knot, Kind::Jerk(side, joint), ends.into());
+                }
+            }
         }
-        &mut self.moved
+        self.moved = moved;
     }
 
     /// The squared pace at a knot.
+    #[inline]
     fn square(&self, x: &[f64], knot: usize) -> f64 {
         x[unknown(self.segments(), knot)]
     }
 
     /// Accelerations in the middle of the segment behind a knot; zero behind the last.
+    #[inline]
     fn accelerations(&self, x: &[f64], knot: usize) -> [f64; N] {
         let place = &self.places[knot];
         let (from, to) = (self.square(x, knot), self.square(x, knot + 1));
-        std::array::from_fn(|j| place.before[j] * from + place.after[j] * to)
+        let mut accelerations = [0.0; N];
+        (0..N).for_each(|j| accelerations[j] = place.before[j] * from + place.after[j] * to);
+        accelerations
     }
 
-    /// Calls `look` for each knot with the accelerations in the middle of the segment behind it, and with the differences that are the jerks
+    /// Calls `look` for each of these knots with the accelerations in the middle of the segment behind it, and with the differences that are the jerks
     /// on the segments on both sides, times the distance of their middles and over the root of the squared pace.
-    pub fn each_knot(&self, x: &[f64], mut look: impl FnMut(usize, &[f64; N], &[[f64; N]; 2])) {
-        let mut previous = [0.0; N];
-        for (knot, place) in self.places.iter().enumerate() {
+    pub fn each_knot(&self, x: &[f64], knots: Range<usize>, mut look: impl FnMut(usize, &[f64; N], &[[f64; N]; 2])) {
+        let mut previous = knots.start.checked_sub(1).map_or([0.0; N], |before| self.accelerations(x, before));
+        for (knot, place) in self.places.iter().enumerate().take(knots.end).skip(knots.start) {
             let behind = self.accelerations(x, knot);
             let at = self.square(x, knot);
-            let jerks = place
-                .shares()
-                .map(|share| std::array::from_fn(|j| behind[j] - previous[j] + share * at * place.jump[j]));
+            let (before, after) = (-0.5 * place.widths[1] * at, 0.5 * place.widths[0] * at);
+            let mut jerks = [[0.0; N]; 2];
+            for j in 0..N {
+                let difference = behind[j] - previous[j];
+                jerks[0][j] = difference + before * place.jump[j];
+                jerks[1][j] = difference + after * place.jump[j];
+            }
             look(knot, &behind, &jerks);
             previous = behind;
         }
     }
 
     /// The rate of the flow in the segment behind a knot.
+    #[inline]
     fn flow_rate(&self, x: &[f64], knot: usize) -> f64 {
         let [from, to] = self.flow.get(knot).copied().unwrap_or([0.0; 2]);
         from * self.square(x, knot) + to * self.square(x, knot + 1)
@@ -148,6 +126,7 @@ impl<const N: usize> Rows<N> {
 
     /// How far the squared pace at a knot is from the line between its neighbours, as coefficients of the three unknowns from `knot - 2` on;
     /// `None` at the outermost knots.
+    #[inline]
     fn spike(&self, knot: usize) -> Option<[f64; 3]> {
         let [w, v] = self.places[knot].widths;
         (2..self.segments() - 1).contains(&knot).then(|| [-v / (w + v), 1.0, -w / (w + v)])
@@ -169,62 +148,71 @@ impl<const N: usize> Rows<N> {
     /// of a root: by so much values may grow, with the unknowns as they are.
     pub fn least_shares(&self, x: &[f64]) -> [f64; 2] {
         let [mut constant, mut rooted] = [f64::INFINITY; 2];
-        self.each_knot(x, |knot, accelerations, jerks| {
+        self.each_knot(x, 0..self.places.len(), |knot, accelerations, jerks| {
             let limits = self.limits(knot);
-            let mut least = [f64::INFINITY; 2];
-            for j in 0..N {
-                let limit = |[above, below]: &[[f64; N]; 2], value: f64| {
-                    (if value > 0.0 { above[j] } else { below[j] }) / value.abs()
-                };
-                least[0] = least[0].min(limit(&limits.acceleration, accelerations[j]));
-                for side in 0..2 {
-                    least[1] = least[1].min(limit(&limits.jerk[side], jerks[side][j]));
-                }
-            }
-            constant = constant.min(least[0]).min(self.ramp / self.flow_rate(x, knot).abs());
-            rooted = rooted.min(least[1] * self.places[knot].distance() / self.square(x, knot).sqrt());
+            let root = self.places[knot].distance() / self.square(x, knot).sqrt();
+            let [acceleration, jerk] = if self.moved.is_empty() {
+                self.rates(accelerations, jerks)
+            } else {
+                let jerk = most_share(&limits.jerk[0], &jerks[0]).max(most_share(&limits.jerk[1], &jerks[1]));
+                [most_share(&limits.acceleration, accelerations), jerk]
+            };
+            constant = constant.min(1.0 / acceleration).min(self.ramp / self.flow_rate(x, knot).abs());
+            rooted = rooted.min(root / jerk);
         });
         [constant, rooted]
     }
 
-    /// Appends the rows that are near their limits at these unknowns, and were not before.
-    pub fn find_near(&self, x: &[f64], found: &mut Vec<usize>) {
+    /// The greatest shares of accelerations and of jerks in the limits that no row has moved.
+    #[inline]
+    fn rates(&self, accelerations: &[f64; N], jerks: &[[f64; N]; 2]) -> [f64; 2] {
+        let most = |values: &[f64; N], inverse: &[f64; N], mut most: f64| {
+            for j in 0..N {
+                let rate = values[j].abs() * inverse[j];
+                most = if rate > most { rate } else { most };
+            }
+            most
+        };
+        let [acceleration, jerk] = &self.inverse;
+        [most(accelerations, acceleration, 0.0), most(&jerks[1], jerk, most(&jerks[0], jerk, 0.0))]
+    }
+
+    /// Appends the rows of these knots that are near their limits at these unknowns, and were not before.
+    pub fn find_near(&self, x: &[f64], knots: Range<usize>, found: &mut Vec<usize>) {
         const LEFT: f64 = 1.0 - NEAR;
-        self.each_knot(x, |knot, accelerations, jerks| {
+        self.each_knot(x, knots, |knot, accelerations, jerks| {
             let limits = self.limits(knot);
             let scale = LEFT * self.places[knot].distance() / self.square(x, knot).sqrt();
-            let mut is_any = false;
-            for j in 0..N {
-                let above = |limits: &[[f64; N]; 2], value: f64, scale: f64| {
-                    (value > limits[0][j] * scale) | (-value > limits[1][j] * scale)
-                };
-                is_any |= above(&limits.acceleration, accelerations[j], LEFT)
-                    | above(&limits.jerk[0], jerks[0][j], scale)
-                    | above(&limits.jerk[1], jerks[1][j], scale);
-            }
-            let flow = self.flow_rate(x, knot).abs() > LEFT * self.ramp;
             let spike = self.spike(knot).is_some_and(|[a, b, c]| {
                 (a * x[knot - 2] + b * x[knot - 1] + c * x[knot]).abs() > LEFT * SPIKE * x[knot - 1]
             });
-            if !(is_any || flow || spike) {
+            let flow = self.flow_rate(x, knot).abs() > LEFT * self.ramp;
+            let is_beyond = if self.moved.is_empty() {
+                self.rates(accelerations, jerks).iter().zip([LEFT, scale]).any(|(rate, limit)| *rate >= limit)
+            } else {
+                most_beyond(&limits.acceleration, accelerations, LEFT) > 0.0
+                    || jerks.iter().zip(&limits.jerk).any(|(jerks, limits)| most_beyond(limits, jerks, scale) > 0.0)
+            };
+            if !(is_beyond || flow || spike) {
                 return;
             }
-            let first = knot * Self::STRIDE;
-            for (at, is_near) in self.is_near[first..first + Self::STRIDE].iter().enumerate() {
-                let above = |limits: &[f64; 2], value: f64| value > limits[0] || -value > limits[1];
-                let beyond = match Self::kind(at) {
-                    Kind::Jerk(1, joint) if self.places[knot].jump[joint] == 0.0 => false,
-                    Kind::Jerk(side, joint) => {
-                        above(&limits.jerk[side].map(|limits| limits[joint] * scale), jerks[side][joint])
+            let (first, near) = (knot * Self::STRIDE, &self.near[knot]);
+            let kinds = [
+                (&limits.jerk[0], &jerks[0], scale),
+                (&limits.jerk[1], &jerks[1], scale),
+                (&limits.acceleration, accelerations, LEFT),
+            ];
+            for (kind, ([above, below], values, scale)) in kinds.into_iter().enumerate() {
+                for j in 0..N {
+                    let is_beyond = values[j] > above[j] * scale || -values[j] > below[j] * scale;
+                    if is_beyond && near.joints[j] >> kind & 1 == 0 {
+                        found.push(first + kind * N + j);
                     }
-                    Kind::Acceleration(joint) => {
-                        above(&limits.acceleration.map(|limits| limits[joint] * LEFT), accelerations[joint])
-                    }
-                    Kind::Flow => flow,
-                    Kind::Spike => spike,
-                };
-                if beyond && !is_near {
-                    found.push(first + at);
+                }
+            }
+            for (at, is_new) in [flow && !near.others[0], spike && !near.others[1]].into_iter().enumerate() {
+                if is_new {
+                    found.push(first + 3 * N + at);
                 }
             }
         });
@@ -241,22 +229,34 @@ impl<const N: usize> Rows<N> {
 
     /// From now on the row takes part.
     pub fn mark(&mut self, row: usize) {
-        self.is_near[row] = true;
+        let (knot, kind) = self.what(row);
+        let near = &mut self.near[knot];
+        match kind {
+            Kind::Jerk(side, joint) => near.joints[joint] |= 1 << side,
+            Kind::Acceleration(joint) => near.joints[joint] |= 1 << 2,
+            Kind::Flow => near.others[0] = true,
+            Kind::Spike => near.others[1] = true,
+        }
     }
 
     /// No row takes part.
     pub fn unmark(&mut self) {
-        self.is_near.fill(false);
+        self.near = self.places.iter().map(Place::none_near).collect();
+    }
+
+    /// The knot of a row, and what it limits.
+    pub fn what(&self, row: usize) -> (usize, Kind) {
+        (row / Self::STRIDE, Self::kind(row % Self::STRIDE))
     }
 
     /// Writes a row out.
     pub fn row(&self, row: usize) -> Row {
-        let (knot, at) = (row / Self::STRIDE, row % Self::STRIDE);
+        let (knot, kind) = self.what(row);
         let place = &self.places[knot];
         let unknown = |knot: usize| unknown(self.segments(), knot);
         let none = (0, 0.0);
         let behind = |j: usize| [(unknown(knot), place.before[j]), (unknown(knot + 1), place.after[j])];
-        match Self::kind(at) {
+        match kind {
             Kind::Jerk(side, joint) => {
                 let mut terms = [none; 4];
                 if knot > 0 {
@@ -281,6 +281,97 @@ impl<const N: usize> Rows<N> {
                 let by = self.spike(knot).unwrap_or([0.0; 3]);
                 Row { first: knot.max(2) - 2, by, root: Some(1), is_linear: true, limits: [SPIKE; 2] }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const KNOTS: usize = 13;
+
+    fn rows(rng: &mut Pcg64, moves: bool) -> Rows<3> {
+        let mut any = || [0; 3].map(|_| rng.random_range(-1.0..1.0));
+        let mut places: Vec<Place<3>> = (0..KNOTS)
+            .map(|knot| Place {
+                before: any(),
+                after: any(),
+                jump: if knot % 4 == 2 { any() } else { [0.0; 3] },
+                widths: [knot, KNOTS - 1 - knot].map(|left| if left == 0 { 0.0 } else { 0.3 }),
+            })
+            .collect();
+        (places[KNOTS - 1].before, places[KNOTS - 1].after, places[6].jump[1]) = ([0.0; 3], [0.0; 3], 0.0);
+        let flow = (1..KNOTS).map(|_| [rng.random_range(-1.0..0.0), rng.random_range(0.0..1.0)]).collect();
+        let mut rows = Rows::new(places, [[2.0, 1.0, f64::INFINITY], [5.0, f64::INFINITY, 4.0]], (flow, 0.7));
+        if moves {
+            rows.move_limits(|_, knot, _, limits| {
+                limits.into_iter().enumerate().for_each(|(end, to)| *to *= 1.0 + 0.3 * ((knot + end) as f64).sin());
+            });
+        }
+        rows
+    }
+
+    /// Rows are found without being written out; each that is written out agrees.
+    #[test]
+    fn near_rows_are_those_that_leave_less_than_half_of_their_limit() {
+        let mut rng = Pcg64::seed_from_u64(4);
+        let (mut near, mut total) = (0, 0);
+        for case in 0..60 {
+            let mut rows = rows(&mut rng, case % 2 == 1);
+            let x: Vec<f64> = (0..KNOTS - 2).map(|_| rng.random_range(0.4..2.0)).collect();
+            let is_near = |rows: &Rows<3>, number: usize| {
+                let (knot, kind) = rows.what(number);
+                let exists = match kind {
+                    Kind::Jerk(1, joint) => rows.place(knot).jump[joint] != 0.0,
+                    Kind::Acceleration(_) | Kind::Flow => knot + 1 < KNOTS,
+                    Kind::Spike => (2..KNOTS - 2).contains(&knot),
+                    Kind::Jerk(..) => true,
+                };
+                if !exists {
+                    return false;
+                }
+                let row = rows.row(number);
+                let (value, scale) = (row.value(&x), 0.5 * row.scale(&x));
+                value > row.limits[0] * scale || -value > row.limits[1] * scale
+            };
+            let all = 0..KNOTS * Rows::<3>::STRIDE;
+            let expected: Vec<usize> = all.clone().filter(|&number| is_near(&rows, number)).collect();
+            let mut found = Vec::new();
+            rows.find_near(&x, 0..5, &mut found);
+            rows.find_near(&x, 5..KNOTS, &mut found);
+            assert_eq!(found, expected, "case {case}");
+            (near, total) = (near + found.len(), total + all.len());
+            // What takes part is not found again.
+            found.iter().for_each(|&number| rows.mark(number));
+            let mut again = Vec::new();
+            rows.find_near(&x, 0..KNOTS, &mut again);
+            assert_eq!(again, [0; 0], "case {case}");
+            rows.unmark();
+            rows.find_near(&x, 0..KNOTS, &mut again);
+            assert_eq!(again, expected, "case {case}");
+        }
+        assert!(near > total / 20 && near < total / 2, "{near} of {total}");
+    }
+
+    /// Unknowns times the largest factor are on the boundary of a row, and beyond none.
+    #[test]
+    fn the_least_shares_are_those_of_rows_written_out() {
+        let mut rng = Pcg64::seed_from_u64(5);
+        for case in 0..60 {
+            let rows = rows(&mut rng, case % 2 == 1);
+            let x: Vec<f64> = (0..KNOTS - 2).map(|_| rng.random_range(0.4..2.0)).collect();
+            let mut least = [f64::INFINITY; 2];
+            for row in (0..KNOTS * Rows::<3>::STRIDE).map(|number| rows.row(number)).filter(|row| !row.is_linear) {
+                let value = row.value(&x);
+                let limit = row.limits[usize::from(value <= 0.0)] * row.scale(&x);
+                let of = &mut least[usize::from(row.root.is_some())];
+                *of = of.min(limit / value.abs());
+            }
+            let found = rows.least_shares(&x);
+            assert!((0..2).all(|of| (found[of] / least[of] - 1.0).abs() < 1e-12), "{case}: {found:?} {least:?}");
         }
     }
 }
