@@ -14,7 +14,7 @@
 //! is the C2 cubic spline through the knots at their times, and not the solution of the program: its accelerations and
 //! jerks, in closed form, are compared with those of the program, the limits of the program move by the difference, and
 //! it is solved again from where it was. A row more at each knot keeps the squared pace from spikes that the spline
-//! cannot follow. At last time is stretched around each place where a limit is passed, and uniformly by what is left.
+//! cannot follow. Then the times of the spline's pieces are the unknowns, with rows of the spline itself (see `polish`). Time is stretched around each place where a limit is passed, and uniformly by what is left.
 
 mod curve;
 mod executed;

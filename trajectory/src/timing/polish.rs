@@ -23,10 +23,10 @@ const REACH: usize = 6;
 const WIDTH: usize = 2 * REACH + 3;
 
 /// Linear programs at most, and by what share the time of a piece may change in the first, at most and at least.
-const STEPS: usize = 12;
+const STEPS: usize = 20;
 const FIRST: f64 = 0.04;
 const LARGEST: f64 = 0.1;
-const SMALLEST: f64 = 2e-3;
+const SMALLEST: f64 = 5e-4;
 
 /// Gap and residual of a linear program, and what it may promise at the end, as shares of the tolerance.
 const LEFT: f64 = 0.2;
@@ -38,9 +38,9 @@ const FACTOR: f64 = 3.0;
 /// All times are longer by this share at the start of a linear program.
 const START: f64 = 0.01;
 
-/// How much farther the ends may be missed, as a share and in radians.
+/// How much farther the ends may be missed, as a share of that and of the way from an end to the next knot.
 const MORE: f64 = 0.05;
-const END: f64 = 1e-8;
+const END: f64 = 1e-3;
 
 /// The path, with what limits the times of its pieces.
 pub(super) struct Path<'a, const N: usize> {
@@ -75,7 +75,7 @@ impl<'a, const N: usize> Path<'a, N> {
         let options = self.task.options;
         let given: Vec<f64> = best.1.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let first = Spline::new(best.1.clone(), self.inner)?;
-        let ends = self.missed(&first).map(|missed| missed.map(|missed| (1.0 + MORE) * missed.abs() + END));
+        let ends = self.allowed_misses(&first);
         let mut reach = FIRST;
         for _ in 0..STEPS {
             let program = self.linear(&best.1, (&given, reach), &ends)?;
@@ -127,6 +127,19 @@ impl<'a, const N: usize> Path<'a, N> {
             })
         };
         [of(1, 0, 0, 0), of(last + 1, last, last + 1, last + 2)]
+    }
+
+    /// How far they may be. Joints that do not move at an end have no limit: they miss nothing.
+    fn allowed_misses(&self, spline: &Spline<N>) -> [[f64; N]; 2] {
+        let (last, knots) = (self.inner.len(), &self.grid.knots);
+        let mut allowed = self.missed(spline);
+        for (allowed, [end, next]) in allowed.iter_mut().zip([[0, 1], [last + 1, last]]) {
+            let way = |j: usize| (knots[next].joints[j] - knots[end].joints[j]).abs();
+            let farthest = (0..N).map(way).fold(0.0, f64::max);
+            *allowed = allowed.map(|missed| (1.0 + MORE) * missed.abs() + END * farthest);
+            allowed.iter_mut().filter(|allowed| **allowed < f64::MIN_POSITIVE).for_each(|to| *to = f64::INFINITY);
+        }
+        allowed
     }
 
     /// The largest pace of a segment, by feed and flow.

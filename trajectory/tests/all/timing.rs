@@ -417,6 +417,37 @@ fn as_fast_as_the_oracle_on_random_splines() {
     assert!(executed.iter().all(|share| *share < 5e-3), "{executed:.4?}");
 }
 
+/// Shorter times must not be bought by corners cut between knots.
+#[test]
+fn between_knots_the_spline_stays_on_the_path() {
+    let mut rng = Pcg64::seed_from_u64(5);
+    let mut farthest = Vec::new();
+    for case in 0..40 {
+        let postures: Vec<[f64; 2]> = walk(&mut rng, 6 + case % 5, 0.05 + 0.0025 * case as f64);
+        let motion = timed(&postures, ORACLE_STEP, 4.0, &bounds(3.0, 10.0, 100.0));
+        let splines: [Natural; 2] =
+            std::array::from_fn(|j| Natural::new(postures.iter().map(|q| q[j]).collect(), ORACLE_STEP));
+        let times = motion.trajectory.times();
+        let mut most = 0.0f64;
+        for k in 0..times.len() - 1 {
+            for part in 1..4 {
+                let at = motion.trajectory.at(times[k] + 0.25 * f64::from(part) * (times[k + 1] - times[k])).position;
+                let off = |along: i32| {
+                    let s = motion.planned[k] + 0.005 * f64::from(along) * (motion.planned[k + 1] - motion.planned[k]);
+                    let piece = ((s / ORACLE_STEP) as usize).min(postures.len() - 2);
+                    let on = |j: usize| splines[j].angle(piece, s - ORACLE_STEP * piece as f64);
+                    (at[0] - on(0)).hypot(at[1] - on(1))
+                };
+                most = most.max((0..=200).map(off).fold(f64::INFINITY, f64::min));
+            }
+        }
+        farthest.push(most);
+    }
+    farthest.sort_by(f64::total_cmp);
+    println!("median {:.1e}, most {:.1e}", farthest[20], farthest[39]);
+    assert!(farthest[20] < 3e-5 && farthest[39] < 1e-4, "{:.1e}", farthest[39]);
+}
+
 #[test]
 fn the_spline_of_a_rough_path_is_nearly_as_fast_as_the_program() {
     let postures: Vec<[f64; 7]> = walk(&mut Pcg64::seed_from_u64(11), 150, 0.05);
