@@ -194,12 +194,12 @@ pub(super) fn run<const N: usize>(
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<TimedMotion<N>, TimePathError> {
     let mut inner: Vec<[f64; N]> = grid.knots[1..grid.segments.len()].iter().map(|knot| knot.joints).collect();
-    let Rounds { best, ideal, shortest, residual, solved, is_settled } =
+    let Rounds { best, ideal, residual, solved, is_settled } =
         rounds(task, grid, &inner, &mut program, &mut iterations, stop)?;
     let Some(mut best) = best else { return Err(TimePathError::Range) };
     if !is_settled
         && iterations < task.options.iterations
-        && !best.polish(task, grid, (&inner, shortest), &mut iterations, stop)?
+        && !best.polish(task, grid, (&inner, ideal), &mut iterations, stop)?
     {
         return Err(TimePathError::Cancelled);
     }
@@ -240,8 +240,6 @@ struct Rounds {
     best: Option<Best>,
     /// The duration of the program's first solution.
     ideal: f64,
-    /// The shortest of all its solutions: shorter than the first where the spline needs less jerk than differences say.
-    shortest: f64,
     /// Of the solution that the best spline is of.
     residual: f64,
     /// Whether the last round was solved.
@@ -284,14 +282,9 @@ fn rounds<const N: usize>(
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<Rounds, TimePathError> {
     let options = task.options;
-    let mut found = Rounds {
-        best: None,
-        ideal: f64::INFINITY,
-        shortest: f64::INFINITY,
-        residual: f64::INFINITY,
-        solved: false,
-        is_settled: false,
-    };
+    let mut found =
+        Rounds { best: None, ideal: f64::INFINITY, residual: f64::INFINITY, solved: false, is_settled: false };
+    let mut shortest = f64::INFINITY;
     for round in 0..=options.rounds {
         let outcome = program.solve(GAP * options.tolerance, options.iterations - *iterations, stop);
         *iterations += outcome.iterations;
@@ -301,8 +294,8 @@ fn rounds<const N: usize>(
         if round == 0 {
             found.ideal = program.time();
         }
-        let is_shorter = program.time() < (1.0 - SETTLED * options.tolerance) * found.shortest;
-        found.shortest = found.shortest.min(program.time());
+        let is_shorter = program.time() < (1.0 - SETTLED * options.tolerance) * shortest;
+        shortest = shortest.min(program.time());
         let spline = Spline::new(times_of(program), inner)?;
         let (duration, times) = stretch(task, inner, &spline)?;
         found.solved = outcome.residual <= options.tolerance;
