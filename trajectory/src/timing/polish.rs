@@ -28,6 +28,15 @@ const FIRST: f64 = 0.04;
 const LARGEST: f64 = 0.1;
 const SMALLEST: f64 = 5e-4;
 
+/// Steps are shorter and longer by these factors after one that gained less and more than these shares of what it promised.
+const POOR: f64 = 0.25;
+const GOOD: f64 = 0.7;
+const SHORTER: f64 = 0.4;
+const LONGER: f64 = 1.6;
+
+/// Steps of the interior-point method in a linear program at most.
+const ITERATIONS: usize = 40;
+
 /// Gap and residual of a linear program, and what it may promise at the end, as shares of the tolerance.
 const LEFT: f64 = 0.2;
 const SETTLED: f64 = 0.3;
@@ -65,7 +74,7 @@ struct Derivatives<const N: usize> {
 }
 
 impl<'a, const N: usize> Path<'a, N> {
-    /// Shortens the duration of a timing whose spline holds all limits.
+    /// Shortens the duration of a timing whose spline holds all limits, to `least` if that can be. Returns whether it was not stopped.
     pub fn shorten(
         &self,
         best: &mut (f64, Vec<f64>),
@@ -78,40 +87,41 @@ impl<'a, const N: usize> Path<'a, N> {
         let ends = self.allowed_misses(&first);
         let mut reach = FIRST;
         for _ in 0..STEPS {
+            if best.0 <= self.least || reach < SMALLEST || *iterations >= options.iterations {
+                break;
+            }
             let program = self.linear(&best.1, (&given, reach), &ends)?;
-            let left = options.iterations.saturating_sub(*iterations);
-            let (y, outcome) = program.solve(LEFT * options.tolerance, left.min(40), stop);
+            let left = (options.iterations - *iterations).min(ITERATIONS);
+            let (y, outcome) = program.solve(LEFT * options.tolerance, left, stop);
             *iterations += outcome.iterations;
             if outcome.stopped {
                 return Ok(false);
             }
-            let whole: f64 = best.1.windows(2).zip(&y).map(|(pair, y)| y * (pair[1] - pair[0])).sum();
-            let promised = -whole / best.0;
-            let part = ((best.0 - self.least) / -whole).clamp(0.0, 1.0);
+            let whole: f64 = best.1.windows(2).zip(&y).map(|(pair, y)| y * (pair[0] - pair[1])).sum();
+            // What is no number promises nothing.
+            if whole.is_nan() || whole <= 0.0 {
+                break;
+            }
+            // A part of the step holds the rows as the whole does.
+            let part = ((best.0 - self.least) / whole).min(1.0);
+            let promised = part * whole / best.0;
             let mut times = vec![0.0];
             for (k, y) in y.iter().enumerate() {
                 times.push(times[k] + (1.0 + part * y) * (best.1[k + 1] - best.1[k]));
             }
-            let promised = part * promised;
-            let spline = Spline::new(times, self.inner)?;
+            let Ok(spline) = Spline::new(times, self.inner) else { break };
             let found = stretch(self.task, self.inner, &spline)?;
             let gained = 1.0 - found.0 / best.0;
             if gained > 0.0 {
                 *best = found;
             }
-            if promised <= SETTLED * options.tolerance || *iterations >= options.iterations {
+            if promised <= SETTLED * options.tolerance {
                 break;
             }
-            reach *= if gained < 0.25 * promised {
-                0.4
-            } else if gained > 0.7 * promised {
-                1.6
-            } else {
-                1.0
-            };
-            reach = reach.min(LARGEST);
-            if reach < SMALLEST {
-                break;
+            if gained < POOR * promised {
+                reach *= SHORTER;
+            } else if gained > GOOD * promised {
+                reach = (LONGER * reach).min(LARGEST);
             }
         }
         Ok(true)
