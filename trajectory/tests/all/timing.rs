@@ -172,6 +172,32 @@ fn flow_limits_hold() {
     assert!((ramped - 5.0).abs() < 0.05 && ramped > free + 0.5, "{ramped} {free}");
 }
 
+/// On rough paths the times of the spline end the search: they keep what the extruder can follow.
+#[test]
+fn flow_limits_hold_on_rough_paths() {
+    let mut rng = Pcg64::seed_from_u64(21);
+    let mut steepest = 0.0f64;
+    for case in 0..12 {
+        let postures: Vec<[f64; 2]> = walk(&mut rng, 12 + case, 0.1);
+        let planned: Vec<f64> = (0..postures.len()).map(|k| 0.1 * k as f64).collect();
+        let pieces = postures.len() - 1;
+        let (flow_mm3_s, max_pace) = (vec![8.0; pieces], vec![4.0; pieces]);
+        let flow = FlowLimits { flow_mm3_s: &flow_mm3_s, max_flow_mm3_s: 14.0, max_ramp_mm3_s2: 40.0 };
+        let (limits, options) = (bounds(3.0, 10.0, 100.0), TimePathOptions::default());
+        let motion = time_path(&postures, &planned, &max_pace, Some(flow), &limits, &options, &quiet).unwrap();
+        holds(&motion, &postures, &planned, &max_pace, &limits);
+        let times = motion.trajectory.times();
+        let flows: Vec<f64> = motion.pace.iter().map(|pace| 8.0 * pace).collect();
+        assert!(flows.iter().all(|&flow| flow <= 14.0 * (1.0 + 1e-6)), "case {case}");
+        for k in 4..times.len() - 5 {
+            let ramp = (flows[k + 1] - flows[k]) / (times[k + 1] - times[k]);
+            steepest = steepest.max(ramp.abs() / 40.0);
+        }
+    }
+    println!("steepest {steepest:.4}");
+    assert!((0.9..1.05).contains(&steepest), "{steepest}");
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // The oracle: sequential convex programming with clarabel, on a grid of its own, with limits pointwise at its knots.
 
