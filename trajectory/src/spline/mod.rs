@@ -81,14 +81,13 @@ impl<const N: usize> Trajectory<N> {
         joints.extend_from_slice(knots);
         joints.push([0.0; N]);
         let mut accelerations = vec![[0.0; N]; joints.len()];
-        let (end, mut angles) = (knots.len(), vec![0.0; knots.len()]);
+        let end = knots.len();
+        accelerations[1..=end].copy_from_slice(&line.second_derivatives_of_all(knots));
         let (first_step, last_step) = (line.step(0), line.step(end));
         for joint in 0..N {
-            angles.iter_mut().zip(knots).for_each(|(angle, knot)| *angle = knot[joint]);
-            let m = line.second_derivatives(&angles);
-            joints[0][joint] = angles[0] - first_step * first_step * m[0] / 6.0;
-            joints[end + 1][joint] = angles[end - 1] - last_step * last_step * m[end - 1] / 6.0;
-            m.iter().zip(&mut accelerations[1..]).for_each(|(&m, knot)| knot[joint] = m);
+            let [first, last] = [accelerations[1][joint], accelerations[end][joint]];
+            joints[0][joint] = knots[0][joint] - first_step * first_step * first / 6.0;
+            joints[end + 1][joint] = knots[end - 1][joint] - last_step * last_step * last / 6.0;
         }
         let Range { start, end } = line.waypoints();
         Ok(Trajectory { times: line.times().to_vec(), joints, accelerations, waypoints: start + 1..end + 1 })

@@ -247,6 +247,24 @@ impl Timeline {
         m
     }
 
+    /// The same for all joints together, an array of them a knot.
+    pub(crate) fn second_derivatives_of_all<const N: usize>(&self, angles: &[[f64; N]]) -> Vec<[f64; N]> {
+        assert_eq!(angles.len(), self.knots(), "one posture a knot");
+        let mut previous = [0.0; N];
+        let right_side = |(k, at): (usize, &[f64; N])| {
+            let right = if k + 1 < angles.len() { 6.0 / self.step(k + 1) } else { 0.0 };
+            let next = angles.get(k + 1).unwrap_or(at);
+            // Differences first: angles far from zero keep their digits.
+            let after: [f64; N] = std::array::from_fn(|j| right * (next[j] - at[j]));
+            let right_side = std::array::from_fn(|j| after[j] - previous[j]);
+            previous = after;
+            right_side
+        };
+        let mut m: Vec<[f64; N]> = angles.iter().enumerate().map(right_side).collect();
+        self.factors.solve_all(&mut m);
+        m
+    }
+
     /// Integral of the product of two jerks, given by their second derivatives.
     pub(super) fn jerk_product(&self, a: &[f64], b: &[f64]) -> f64 {
         let at = |m: &[f64], knot: usize| if knot == 0 { 0.0 } else { m.get(knot - 1).copied().unwrap_or(0.0) };

@@ -48,11 +48,12 @@ impl<'a, const N: usize> Curve<'a, N> {
     pub fn at(&self, piece: usize, along: f64) -> [[f64; N]; 3] {
         let h = self.planned[piece + 1] - self.planned[piece];
         let (mut joints, mut slopes, mut bends) = ([0.0; N], [0.0; N], [0.0; N]);
+        let (inverse, sixth) = (1.0 / h, h / 6.0);
         for j in 0..N {
             let (q, next) = (self.postures[piece][j], self.postures[piece + 1][j]);
             let (m, after) = (self.curvatures[piece][j], self.curvatures[piece + 1][j]);
-            let slope = (next - q) / h - h * (2.0 * m + after) / 6.0;
-            let third = (after - m) / h;
+            let slope = (next - q) * inverse - sixth * (2.0 * m + after);
+            let third = (after - m) * inverse;
             joints[j] = q + along * (slope + along * (m / 2.0 + along * third / 6.0));
             slopes[j] = slope + along * (m + along * third / 2.0);
             bends[j] = m + along * third;
@@ -176,7 +177,9 @@ impl<const N: usize> Grid<N> {
             })
             .collect();
         let middle = warp.middle();
-        let (mut knots, mut segments, mut postures) = (Vec::new(), Vec::new(), vec![0]);
+        let count = parts.iter().sum::<usize>() + 2 * ramp;
+        let (mut knots, mut segments) = (Vec::with_capacity(count + 1), Vec::with_capacity(count));
+        let mut postures = vec![0];
         let warped = |piece: usize, sigma: f64| -> (Knot<N>, [f64; N]) {
             let [s, first, second] = warp.at(sigma);
             let along =

@@ -1,9 +1,10 @@
 //! From limits to the layout of the grid and to the rows of the program.
 
-use super::curve::{Curve, Grid, Warp};
+use super::curve::{Curve, Grid, Knot, Segment, Warp};
 use super::options::{FlowLimits, TimePathOptions};
+use super::place::Place;
 use super::program::Program;
-use super::row::Row;
+use super::rows::Rows;
 use crate::Bounds;
 
 /// Where nothing limits the pace, it stays below this many times the largest that the whole path allows everywhere.
@@ -37,12 +38,6 @@ const MIN_BUILD_UP: f64 = 0.5;
 /// A path of few pieces may have so many segments.
 const MIN_CELLS: usize = 400;
 
-/// How far the squared pace at a knot may be from the line between its neighbours, as a share of itself. Where all joints
-/// turn around, no other row holds it, and a knot far above its neighbours rings through the whole spline. On the random
-/// splines of the oracle test the executed duration was 1.2 % above the oracle without this, 0.9 % with 0.3, 0.56 % with 0.1
-/// and 0.65 % with 0.05 (before local stretches).
-const SPIKE: f64 = 0.12;
-
 /// What is asked.
 #[derive(Clone, Copy)]
 pub(super) struct Task<'a, const N: usize> {
@@ -53,58 +48,6 @@ pub(super) struct Task<'a, const N: usize> {
     /// Limits of jerk of the program: those of the bounds, or smaller ones where these are too large for the grid.
     pub jerk: [f64; N],
     pub options: &'a TimePathOptions,
-}
-
-/// What a row limits.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum What {
-    /// Acceleration in the middle of a segment.
-    Acceleration { segment: usize, joint: usize },
-    /// Jerk on the segments beside a knot, which may be one segment; `sqrt(beta) / width` makes it from the difference of
-    /// accelerations.
-    Jerk { knot: usize, segments: [usize; 2], joint: usize, width: f64 },
-    /// Rate of the flow in a segment.
-    Flow,
-    /// Second difference of the squared pace at a knot.
-    Spike,
-}
-
-/// Rows of a program while they are collected, and what each is.
-#[derive(Default)]
-struct Rows {
-    rows: Vec<Row>,
-    what: Vec<What>,
-}
-
-impl Rows {
-    /// Adds a row unless it has no terms or no limit. Its terms are of three neighbouring unknowns.
-    fn put(&mut self, terms: [(usize, f64); 4], root: Option<usize>, limit: f64, of: What) {
-        let first = terms.iter().filter(|(_, by)| *by != 0.0).map(|&(at, _)| at).min();
-        let Some(first) = first.map(|first| root.map_or(first, |root| root.min(first))) else { return };
-        if limit == f64::INFINITY {
-            return;
-        }
-        let mut by = [0.0; 3];
-        for (at, value) in terms.into_iter().filter(|(_, value)| *value != 0.0) {
-            by[at - first] += value;
-        }
-        self.rows.push(Row::new(first, by, root.map(|root| root - first), limit));
-        self.what.push(of);
-    }
-
-    /// A row that keeps the square of the pace at a knot from rising far above the line between its neighbours, which lie `w` before and
-    /// `v` behind it: limits between knots would not see a spike.
-    fn limit_spike(&mut self, knot: usize, w: f64, v: f64) {
-        let mut row = Row::new(knot - 2, [-v / (w + v), 1.0, -w / (w + v)], Some(1), SPIKE);
-        row.is_linear = true;
-        self.rows.push(row);
-        self.what.push(What::Spike);
-    }
-}
-
-/// The unknown of a knot: unknown `k` belongs to knot `k + 1`, and the outermost knots share those of their neighbours.
-fn unknown(segments: usize, knot: usize) -> usize {
-    knot.clamp(1, segments - 1) - 1
 }
 
 impl<const N: usize> Task<'_, N> {
@@ -230,77 +173,41 @@ impl<const N: usize> Task<'_, N> {
         shortest
     }
 
-    /// The program, and what its rows are.
-    pub fn program(&self, grid: &Grid<N>) -> (Program, Vec<What>) {
+    /// The program.
+    pub fn program(&self, grid: &Grid<N>) -> Program<N> {
         let segments = grid.segments.len();
-        let mut rows = Rows::default();
-        for knot in 0..=segments {
-            for joint in 0..N {
-                self.limit_joint(grid, knot, joint, &mut rows);
+        let width = |segment: usize| grid.segments.get(segment).map_or(0.0, |segment| segment.width);
+        let place = |knot: usize| {
+            let behind = grid.segments.get(knot);
+            Place {
+                before: behind.map_or([0.0; N], |segment| segment.before),
+                after: behind.map_or([0.0; N], |segment| segment.after),
+                jump: grid.knots[knot].jump,
+                widths: [knot.checked_sub(1).map_or(0.0, width), width(knot)],
             }
-            self.limit_ramp(grid, knot, &mut rows);
-        }
-        for knot in 2..segments - 1 {
-            rows.limit_spike(knot, grid.segments[knot - 1].width, grid.segments[knot].width);
-        }
+        };
+        let places = (0..=segments).map(place).collect();
+        let rows = Rows::new(places, [self.bounds.acceleration, self.jerk], self.ramps(grid));
         let widths = grid.segments.iter().map(|segment| segment.width).collect();
-        let Rows { rows, what } = rows;
-        (self.started(grid, Program::new(widths, rows, segments - 1)), what)
+        self.started(grid, Program::new(widths, rows, segments - 1))
     }
 
-    /// Rows for the jerk of a joint at a knot, and for its acceleration in the middle of the segment behind it. Accelerations are
-    /// linear in the squares of the pace at both ends of their segment; the jerk is their difference over the time between the middles.
-    fn limit_joint(&self, grid: &Grid<N>, knot: usize, joint: usize, rows: &mut Rows) {
-        let segments = grid.segments.len();
-        let unknown = |knot: usize| unknown(segments, knot);
-        let before = knot.checked_sub(1).map(|segment| &grid.segments[segment]);
-        let after = grid.segments.get(knot);
-        let half = |segment: Option<&super::curve::Segment<N>>| segment.map_or(0.0, |segment| 0.5 * segment.width);
-        let width = half(before) + half(after);
-        let none = (0, 0.0);
-        let [mut a, mut b, mut c, mut d] = [none; 4];
-        if let Some(segment) = before {
-            a = (unknown(knot - 1), -segment.before[joint]);
-            b = (unknown(knot), -segment.after[joint]);
-        }
-        if let Some(segment) = after {
-            c = (unknown(knot), segment.before[joint]);
-            d = (unknown(knot + 1), segment.after[joint]);
-        }
-        let jerk = self.jerk[joint];
-        let (root, limit) = (Some(unknown(knot)), jerk * width);
-        let beside = [knot.max(1) - 1, knot.min(segments - 1)];
-        let jump = grid.knots[knot].jump[joint];
-        if jump == 0.0 {
-            rows.put([a, b, c, d], root, limit, What::Jerk { knot, segments: beside, joint, width });
-        } else {
-            // The difference of accelerations holds the mean of both sides, by their widths.
-            let sides = [(beside[0], -half(after)), (beside[1], half(before))];
-            for (segment, share) in sides {
-                let c = (c.0, c.1 + share * jump);
-                rows.put([a, b, c, d], root, limit, What::Jerk { knot, segments: [segment; 2], joint, width });
-            }
-        }
-        if after.is_some() {
-            let limit = self.bounds.acceleration[joint];
-            rows.put([c, d, none, none], None, limit, What::Acceleration { segment: knot, joint });
-        }
-    }
-
-    /// A row for the rate of the flow in the segment behind a knot.
-    fn limit_ramp(&self, grid: &Grid<N>, knot: usize, rows: &mut Rows) {
-        let (Some(flow), Some(segment)) = (self.flow, grid.segments.get(knot)) else { return };
-        let unknown = |knot: usize| unknown(grid.segments.len(), knot);
-        let (from, to) = (grid.knots[knot].warp, grid.knots[knot + 1].warp);
-        // d(pace)/dt = (b' - b) / (2 ds), and ds is the mean of ds/dsigma times the width.
-        let scale = flow.flow_mm3_s[segment.piece] / ((from + to) * segment.width);
-        let none = (0, 0.0);
-        let terms = [(unknown(knot), -scale * from * from), (unknown(knot + 1), scale * to * to), none, none];
-        rows.put(terms, None, flow.max_ramp_mm3_s2, What::Flow);
+    /// For each segment what the squared paces at its knots count in the rate of the flow, and its limit.
+    fn ramps(&self, grid: &Grid<N>) -> (Vec<[f64; 2]>, f64) {
+        let Some(flow) = self.flow.filter(|flow| flow.max_ramp_mm3_s2 < f64::INFINITY) else {
+            return (Vec::new(), f64::INFINITY);
+        };
+        let ramp = |(segment, ends): (&Segment<N>, &[Knot<N>])| {
+            let (from, to) = (ends[0].warp, ends[1].warp);
+            // d(pace)/dt = (b' - b) / (2 ds), and ds is the mean of ds/dsigma times the width.
+            let scale = flow.flow_mm3_s[segment.piece] / ((from + to) * segment.width);
+            [-scale * from * from, scale * to * to]
+        };
+        (grid.segments.iter().zip(grid.knots.windows(2)).map(ramp).collect(), flow.max_ramp_mm3_s2)
     }
 
     /// The program at a start strictly within its limits: the same pace everywhere.
-    fn started(&self, grid: &Grid<N>, mut program: Program) -> Program {
+    fn started(&self, grid: &Grid<N>, mut program: Program<N>) -> Program<N> {
         let upper: Vec<f64> = (0..program.x.len()).map(|k| self.upper(grid, k + 1, 1.0)).collect();
         // The largest unknown that may be the same everywhere.
         let mut same = upper.iter().fold(f64::INFINITY, |least, upper| least.min(*upper));

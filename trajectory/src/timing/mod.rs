@@ -14,26 +14,36 @@
 //! is the C2 cubic spline through the knots at their times, and not the solution of the program: its accelerations and
 //! jerks, in closed form, are compared with those of the program, the limits of the program move by the difference, and
 //! it is solved again from where it was. A row more at each knot keeps the squared pace from spikes that the spline
-//! cannot follow. At last time is stretched around each place where a limit is passed, and uniformly by what is left.
+//! cannot follow. Then the times of the spline's pieces are the unknowns, with rows of the spline itself (see `polish`). Time is stretched around each place where a limit is passed, and uniformly by what is left.
 
 mod curve;
 mod executed;
+mod fields;
 mod free;
 mod limits;
 mod local;
+mod near;
 mod options;
+mod place;
+mod polish;
 mod program;
 mod result;
 mod row;
+mod rows;
+mod start;
+mod stretch;
+mod wide;
 
 use crate::{Bounds, Progress, ProgressFn};
-use curve::{Curve, Grid};
+use curve::{Curve, Grid, Warp};
 pub use free::{FreeMotion, TimeFreeError, TimeFreeOptions, TimeFreeStatus, time_path_free};
 pub use options::{FlowLimits, TimePathOptions};
+use program::Program;
 pub use result::{TimePathError, TimePathStatus, TimedMotion};
 
-/// Tolerance of the first timing, which only finds where knots are needed.
+/// Tolerance of the first timing, which only finds where knots are needed, and how much longer its segments are.
 const ROUGH: f64 = 0.02;
+const COARSE: f64 = 2.0;
 
 /// Tolerance and steps at most of the duration without limits of jerk, which only says what is short beside it.
 const ESTIMATE: f64 = 0.2;
@@ -88,23 +98,33 @@ pub fn time_path<const N: usize>(
         done += 1;
         progress(Progress { stage: "time path", done: done - 1, total: options.iterations as u64 }).is_break()
     };
-    let Some(duration) = jerk_free_duration(&task, &curve, &mut stop) else { return Err(TimePathError::Cancelled) };
-    let task = task.resolved(duration);
-    let (warp, parts) = task.layout(&curve);
-    let mut grid = Grid::new(&curve, &warp, &parts, options.ramp);
-    let (mut program, mut rows) = task.program(&grid);
-    let rough = program.solve(options.tolerance.max(ROUGH), options.iterations, &mut stop);
+    let longer = TimePathOptions { step: COARSE * options.step, ..*options };
+    let mut first = limits::Task { options: &longer, ..task };
+    let (mut warp, mut grid, mut coarse) = on_grid(&first, &curve);
+    // The start is a timing within all limits. Without those of jerk the path takes less, and less changes fewer of them.
+    if first.resolved(coarse.time()).jerk.iter().zip(&first.jerk).any(|(resolved, given)| resolved < given) {
+        let Some(duration) = jerk_free_duration(&task, &curve, &mut stop) else { return Err(TimePathError::Cancelled) };
+        first = first.resolved(duration);
+        (warp, grid, coarse) = on_grid(&first, &curve);
+    }
+    let rough = coarse.solve(options.tolerance.max(ROUGH), options.iterations, &mut stop);
     if rough.stopped {
         return Err(TimePathError::Cancelled);
     }
-    let fine = task.refined(&curve, &parts, &grid, &executed::times_of(&program));
-    if fine != parts {
-        grid = Grid::new(&curve, &warp, &fine, options.ramp);
-        let coarse = program;
-        (program, rows) = task.program(&grid);
-        program.start_like(&coarse);
-    }
-    executed::run(&task, &warp, &grid, (program, &rows), rough.iterations, &mut stop)
+    let task = limits::Task { options, ..first };
+    let parts = task.refined(&curve, &task.layout(&curve).1, &grid, &executed::times_of(&coarse));
+    let grid = Grid::new(&curve, &warp, &parts, options.ramp);
+    let mut program = task.program(&grid);
+    program.start_like(&coarse);
+    executed::run(&task, &warp, &grid, program, rough.iterations, &mut stop)
+}
+
+/// The windows of the ends, the grid that a task lays out, and its program at its start.
+fn on_grid<const N: usize>(task: &limits::Task<'_, N>, curve: &Curve<'_, N>) -> (Warp, Grid<N>, Program<N>) {
+    let (warp, parts) = task.layout(curve);
+    let grid = Grid::new(curve, &warp, &parts, task.options.ramp);
+    let program = task.program(&grid);
+    (warp, grid, program)
 }
 
 /// About the least duration without limits of jerk, in seconds; `None` when it is stopped.
@@ -114,8 +134,7 @@ fn jerk_free_duration<const N: usize>(
     stop: &mut dyn FnMut() -> bool,
 ) -> Option<f64> {
     let task = task.without_jerk();
-    let (warp, parts) = task.layout(curve);
-    let (mut program, _) = task.program(&Grid::new(curve, &warp, &parts, task.options.ramp));
+    let (_, _, mut program) = on_grid(&task, curve);
     let outcome = program.solve(ESTIMATE, ESTIMATE_STEPS, stop);
     (!outcome.stopped).then(|| program.time())
 }

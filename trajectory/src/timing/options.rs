@@ -6,10 +6,11 @@
 pub struct TimePathOptions {
     /// By what share the duration may be longer than the least of the discretised problem; between 0 and 1.
     pub tolerance: f64,
-    /// Steps of the interior-point method in all rounds together, besides a few for the duration without limits of jerk. When they are spent the best timing so far is
+    /// Steps of the interior-point methods together, besides a few for the duration without limits of jerk. When they are spent the best timing so far is
     /// returned, which holds all limits.
     pub iterations: usize,
-    /// How often the program is solved again with limits moved by how the executed spline differs from it.
+    /// How often the program is solved again at most with limits moved by how the executed spline differs from it, before the times of the spline
+    /// itself are the unknowns.
     pub rounds: usize,
     /// Knots for each piece at least, 1 to [`TimePathOptions::MAX_SUBDIVISION`].
     pub subdivision: usize,

@@ -8,8 +8,10 @@
 //! never leaves the rows, and every iterate is a timing. A row has three neighbouring unknowns: the Newton matrix is
 //! pentadiagonal, and a round costs linear time.
 
-use super::local::{RADIUS, smooth_minimum, window_sums};
-use super::row::{Near, Row};
+use super::fields::Fields;
+use super::local::{RADIUS, smooth_minimum};
+use super::row::Near;
+use super::rows::Rows;
 use crate::banded::Pentadiagonal;
 
 /// How near to the boundary a step may come.
@@ -18,24 +20,8 @@ const FRACTION: f64 = 0.98;
 /// A step leaves of each unknown at least this share: the tangents of `T` say nothing beyond.
 const MIN_SHARE: f64 = 0.1;
 
-/// A row takes part in the Newton step once less than this share of its limit is left. Other rows only bound the length
-/// of steps. On a print most rows never take part; with a smaller share steps are cut short more often.
-const NEAR: f64 = 0.5;
-
 /// Steps of different lengths along the path are taken if rows allow this share of them.
 const MIN_ALLOWED: f64 = 0.7;
-
-/// A step uses at most this share of the slack of a row that takes no part.
-const FAR_FRACTION: f64 = 0.9;
-
-/// The gap keeps at least this share of the residual of the Lagrangian's gradient: products that vanish before it leave
-/// the unknowns at the boundary, where steps are short.
-const GAP: f64 = 0.1;
-
-/// Slack, as a share of the limits, and products of slack and multiplier, in all as a share of the duration, at the
-/// beginning on the finer grid.
-const START_SLACK: f64 = 0.1;
-const START_SHARE: f64 = 1.0;
 
 /// What came of the iterations.
 #[derive(Clone, Copy, Debug)]
@@ -46,41 +32,24 @@ pub(super) struct Outcome {
     pub stopped: bool,
 }
 
-/// Fields over the unknowns.
-struct Fields {
-    /// How much of a step unknowns and multipliers allow.
-    primal: Vec<f64>,
-    dual: Vec<f64>,
-    /// Sums of the products of slacks and multipliers, the same after a step, and their number.
-    gap: Vec<f64>,
-    after: Vec<f64>,
-    sides: Vec<f64>,
-    /// Residual of the Lagrangian's gradient, times the unknown.
-    residual: Vec<f64>,
-    /// The product to aim at, the share of the products of steps that is corrected, and the largest aim.
-    centre: Vec<f64>,
-    bend: Vec<f64>,
-    most: Vec<f64>,
-}
-
-pub(super) struct Program {
+pub(super) struct Program<const N: usize> {
     /// Widths of the segments; the first and the last join an unknown with itself.
     pub widths: Vec<f64>,
     pub upper: Vec<f64>,
-    pub rows: Vec<Row>,
+    pub rows: Rows<N>,
     pub x: Vec<f64>,
-    upper_multipliers: Vec<f64>,
-    near: Vec<Near>,
+    pub upper_multipliers: Vec<f64>,
+    pub near: Vec<Near>,
 }
 
-impl Program {
-    pub fn new(widths: Vec<f64>, rows: Vec<Row>, unknowns: usize) -> Self {
+impl<const N: usize> Program<N> {
+    pub fn new(widths: Vec<f64>, rows: Rows<N>, unknowns: usize) -> Self {
         let one = vec![1.0; unknowns];
         Program { widths, upper: one.clone(), rows, x: one.clone(), upper_multipliers: one, near: Vec::new() }
     }
 
     /// The unknowns of a segment.
-    fn ends(&self, segment: usize) -> (usize, usize) {
+    pub fn ends(&self, segment: usize) -> (usize, usize) {
         let last = self.x.len() - 1;
         (segment.saturating_sub(1), segment.min(last))
     }
@@ -91,129 +60,6 @@ impl Program {
             2.0 * width / (self.x[a].sqrt() + self.x[b].sqrt())
         };
         self.widths.iter().enumerate().map(of).sum()
-    }
-
-    /// The greatest factor of all unknowns that keeps all rows, given that a smaller one does, and leaves this share of
-    /// the limits.
-    pub fn factor(&self, left: f64) -> f64 {
-        let [mut constant, mut rooted] = [f64::INFINITY; 2];
-        for row in self.rows.iter().filter(|row| !row.is_linear) {
-            let least = if row.root.is_some() { &mut rooted } else { &mut constant };
-            *least = least.min(row.slack(&self.x));
-        }
-        ((1.0 - left) * constant).min(((1.0 - left) * rooted).powf(2.0 / 3.0))
-    }
-
-    /// Shrinks all unknowns together until every row has at least this share of its limit left.
-    pub fn shrink(&mut self, left: f64) {
-        let mut factor = self.factor(left);
-        for (x, upper) in self.x.iter().zip(&self.upper) {
-            factor = factor.min((1.0 - left) * upper / x);
-        }
-        if factor < 1.0 {
-            self.x.iter_mut().for_each(|x| *x *= factor);
-        }
-    }
-
-    /// Starts from the solution on a coarser grid.
-    pub fn start_like(&mut self, coarse: &Program) {
-        let (mut segment, mut begin, mut sigma) = (0, 0.0, 0.0);
-        for k in 0..self.x.len() {
-            sigma += self.widths[k];
-            while segment + 1 < coarse.widths.len() && begin + coarse.widths[segment] < sigma {
-                begin += coarse.widths[segment];
-                segment += 1;
-            }
-            let (from, to) = coarse.ends(segment);
-            let share = ((sigma - begin) / coarse.widths[segment]).min(1.0);
-            self.x[k] = ((1.0 - share) * coarse.x[from] + share * coarse.x[to]).min(0.9 * self.upper[k]);
-        }
-        // A constant more leaves second differences and allows more of them.
-        let mut more = 0.0f64;
-        for row in self.rows.iter().filter(|row| row.is_linear) {
-            let allowed = 0.9 * row.limits[0];
-            more = more.max(row.value(&self.x).abs() / allowed - row.rooted().map_or(0.0, |root| self.x[root]));
-        }
-        self.x.iter_mut().for_each(|x| *x += more);
-        self.shrink(START_SLACK);
-        self.near.clear();
-        self.rows.iter_mut().for_each(|row| row.is_near = false);
-        self.centre(START_SHARE, true);
-    }
-
-    /// Sets all multipliers so that each product with its slack is the same, or at least that.
-    pub fn centre(&mut self, share: f64, cold: bool) {
-        self.take_part(0.0);
-        let sides = 2 * self.near.len() + self.x.len();
-        let product = share * self.time() / sides as f64;
-        for ((z, x), upper) in self.upper_multipliers.iter_mut().zip(&self.x).zip(&self.upper) {
-            let usual = product / (upper - x);
-            *z = if cold { usual } else { z.max(usual) };
-        }
-        for near in &mut self.near {
-            near.look(&self.rows[near.row], &self.x);
-            for side in 0..2 {
-                let usual = product / near.slack[side];
-                near.multipliers[side] = if cold { usual } else { near.multipliers[side].max(usual) };
-            }
-        }
-    }
-
-    /// Lets rows take part that are near their limit at the unknowns, with this product of slack and multiplier.
-    fn take_part(&mut self, product: f64) {
-        self.take_part_ahead(&vec![0.0; self.x.len()], &mut vec![0.0; self.x.len()], |_| product);
-    }
-
-    /// The same after a step, which is shortened where such a row does not allow it.
-    fn take_part_ahead(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) {
-        let before = self.near.len();
-        // Another length of the step may bring it to other rows.
-        while self.add_near(dx, step, &product) {
-            smooth_minimum(step, RADIUS);
-        }
-        // Neighbours in memory as along the path; a stable sort merges two sorted parts in linear time.
-        if self.near.len() > before {
-            self.near.sort_by_key(|near| near.row);
-        }
-    }
-
-    /// Adds the rows that are near after a step. Returns whether one shortens it.
-    fn add_near(&mut self, dx: &[f64], step: &mut [f64], product: impl Fn(usize) -> f64) -> bool {
-        let n = self.x.len();
-        // The unknowns after the step, and the factors of limits that go with each; 1 for those that go with none.
-        let mut ahead = self.x.clone();
-        for ((x, by), step) in ahead.iter_mut().zip(dx).zip(&*step) {
-            *x += step * by;
-        }
-        let mut roots: Vec<f64> = ahead.iter().map(|x| 1.0 / x.sqrt()).collect();
-        roots.push(1.0);
-        let mut is_shorter = false;
-        for (index, row) in self.rows.iter_mut().enumerate() {
-            if row.is_near {
-                continue;
-            }
-            let of = row.rooted().unwrap_or(n);
-            let scale = (1.0 - NEAR) * if row.is_linear { ahead[of] } else { roots[of] };
-            let after = row.value(&ahead);
-            if row.limits[0] * scale >= after && row.limits[1] * scale >= -after {
-                continue;
-            }
-            row.is_near = true;
-            let mut near = Near::new(index);
-            near.look(row, &self.x);
-            let at = row.middle(n);
-            near.multipliers = near.slack.map(|slack| product(at) / slack);
-            near.move_by(row, dx);
-            for side in 0..2 {
-                if near.slack_step[side] * step[at] < -FAR_FRACTION * near.slack[side] {
-                    step[at] = -FAR_FRACTION * near.slack[side] / near.slack_step[side];
-                    is_shorter = true;
-                }
-            }
-            near.step = [0.0; 2];
-            self.near.push(near);
-        }
-        is_shorter
     }
 
     /// Iterates until the gap is below `tolerance` of the value, from unknowns within all rows.
@@ -252,10 +98,9 @@ impl Program {
                 right[k] -= fields.aimed(k, -predicted[k] * upper_step[k]) / slack;
             }
             for near in &self.near {
-                let row = &self.rows[near.row];
-                let at = row.middle(n);
+                let at = near.row.middle(n);
                 let aim = |side: usize| fields.aimed(at, near.slack_step[side] * near.step[side]);
-                near.add(row, &mut right, [0, 1].map(|side| -aim(side) * near.inverse[side]));
+                near.add(&mut right, [0, 1].map(|side| -aim(side) * near.inverse[side]));
             }
             factors.solve(&mut right);
             self.steps(&right, &predicted, &mut upper_step, &mut fields);
@@ -270,7 +115,7 @@ impl Program {
                 *z += step * by;
             }
             for near in &mut self.near {
-                let step = fields.dual[self.rows[near.row].middle(n)];
+                let step = fields.dual[near.row.middle(n)];
                 for side in 0..2 {
                     near.multipliers[side] += step * near.step[side];
                 }
@@ -286,7 +131,7 @@ impl Program {
             *gap = (upper - x) * z;
         }
         for near in &self.near {
-            let at = self.rows[near.row].middle(self.x.len());
+            let at = near.row.middle(self.x.len());
             gap[at] += near.slack[0] * near.multipliers[0] + near.slack[1] * near.multipliers[1];
             sides[at] += 2.0;
         }
@@ -301,7 +146,7 @@ impl Program {
             after[k] = slack * (self.upper_multipliers[k] + dual[k].min(1.0) * upper_step[k]);
         }
         for near in &self.near {
-            let at = self.rows[near.row].middle(self.x.len());
+            let at = near.row.middle(self.x.len());
             let [step, dual_step] = [primal[at].min(1.0), dual[at].min(1.0)];
             for side in 0..2 {
                 let slack = near.slack[side] + step * near.slack_step[side];
@@ -327,7 +172,7 @@ impl Program {
     fn allowed(&mut self, dx: &[f64]) -> f64 {
         let mut whole = 1.0f64;
         for near in &mut self.near {
-            near.move_by(&self.rows[near.row], dx);
+            near.move_by(dx);
             for side in 0..2 {
                 if near.slack_step[side] * whole < -FRACTION * near.slack[side] {
                     whole = -FRACTION * near.slack[side] / near.slack_step[side];
@@ -349,10 +194,9 @@ impl Program {
             lagrangian[k] += z;
         }
         for near in &mut self.near {
-            let row = &self.rows[near.row];
-            near.look(row, &self.x);
-            near.add_curvature(row, band);
-            near.add(row, lagrangian, near.multipliers);
+            near.look(&self.x);
+            near.add_curvature(band);
+            near.add(lagrangian, near.multipliers);
         }
         time
     }
@@ -402,10 +246,9 @@ impl Program {
             }
         }
         for near in &mut self.near {
-            let row = &self.rows[near.row];
-            let at = row.middle(n);
+            let at = near.row.middle(n);
             let products = [0, 1].map(|side| fields.aimed(at, near.slack_step[side] * near.step[side]));
-            near.move_by(row, dx);
+            near.move_by(dx);
             for (side, product) in products.into_iter().enumerate() {
                 let z = near.multipliers[side];
                 near.step[side] = (product - z * near.slack_step[side]) * near.inverse[side] - z;
@@ -420,50 +263,9 @@ impl Program {
 }
 
 /// Shortens a step that takes a positive number below 0.
-fn shorten(reach: &mut f64, value: f64, step: f64) {
+#[inline]
+pub(super) fn shorten(reach: &mut f64, value: f64, step: f64) {
     if value + step * *reach < 0.0 {
         *reach = -value / step;
-    }
-}
-
-impl Fields {
-    fn new(n: usize) -> Self {
-        let zero = vec![0.0; n];
-        Fields {
-            primal: zero.clone(),
-            dual: zero.clone(),
-            gap: zero.clone(),
-            after: zero.clone(),
-            sides: zero.clone(),
-            residual: zero.clone(),
-            centre: zero.clone(),
-            bend: zero.clone(),
-            most: zero,
-        }
-    }
-
-    /// The predictor's aim.
-    fn aim_at_none(&mut self) {
-        self.centre.fill(0.0);
-        self.bend.fill(0.0);
-        self.most.fill(0.0);
-    }
-
-    /// The corrector's aim, from what the predictor leaves around each unknown.
-    fn aim(&mut self, least: f64) {
-        let [gap, after, sides, residual] =
-            [&self.gap, &self.after, &self.sides, &self.residual].map(|values| window_sums(values, RADIUS));
-        for k in 0..gap.len() {
-            let mean = gap[k] / sides[k];
-            let share = if gap[k] > 0.0 { (after[k] / gap[k]).clamp(0.0, 1.0).powi(3) } else { 0.0 };
-            self.centre[k] = (share * mean).max(GAP * residual[k] / sides[k]).max(least);
-            self.bend[k] = self.primal[k].min(1.0) * self.dual[k].min(1.0);
-            self.most[k] = 10.0 * mean.max(self.centre[k]);
-        }
-    }
-
-    /// The product of a slack and a multiplier to aim at, where the steps of the predictor have this product.
-    fn aimed(&self, at: usize, product: f64) -> f64 {
-        (self.centre[at] - self.bend[at] * product).clamp(0.0, self.most[at])
     }
 }

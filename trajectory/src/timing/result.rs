@@ -28,7 +28,7 @@ pub struct TimedMotion<const N: usize> {
     pub end_deviation: f64,
     /// Duration of the discretised problem, in seconds, without what the executed spline needs beyond it.
     pub ideal_duration: f64,
-    /// Steps of the interior-point method in all rounds.
+    /// Steps of the interior-point methods together.
     pub iterations: usize,
     /// Gap and residual of the last round, as a share of the duration.
     pub residual: f64,

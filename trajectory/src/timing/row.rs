@@ -10,16 +10,16 @@ pub(super) struct Row {
     pub root: Option<u8>,
     /// The limit goes with the unknown itself and not with the inverse of its root.
     pub is_linear: bool,
-    /// Whether it takes part in the Newton step.
-    pub is_near: bool,
     /// Above and below; infinite where there is none.
     pub limits: [f64; 2],
 }
 
-/// The sides of a row that takes part.
+/// A row that takes part, and its sides.
 #[derive(Clone, Debug)]
 pub(super) struct Near {
-    pub row: usize,
+    /// Its number.
+    pub number: usize,
+    pub row: Row,
     pub multipliers: [f64; 2],
     pub slack: [f64; 2],
     /// Of the slack.
@@ -31,10 +31,17 @@ pub(super) struct Near {
 }
 
 impl Row {
-    pub fn new(first: usize, by: [f64; 3], root: Option<usize>, limit: f64) -> Self {
-        Row { first, by, root: root.map(|root| root as u8), is_linear: false, is_near: false, limits: [limit; 2] }
+    /// The row of these terms, which are of three neighbouring unknowns, with the one that the limits go with.
+    pub fn of(terms: [(usize, f64); 4], root: Option<usize>, limits: [f64; 2]) -> Self {
+        let first = terms.iter().filter(|(_, by)| *by != 0.0).map(|&(at, _)| at).chain(root).min().unwrap_or(0);
+        let mut by = [0.0; 3];
+        for (at, value) in terms.into_iter().filter(|(_, value)| *value != 0.0) {
+            by[at - first] += value;
+        }
+        Row { first, by, root: root.map(|root| (root - first) as u8), is_linear: false, limits }
     }
 
+    #[inline]
     pub fn value(&self, x: &[f64]) -> f64 {
         if let Some([a, b, c]) = x.get(self.first..self.first + 3) {
             return self.by[0] * a + self.by[1] * b + self.by[2] * c;
@@ -43,31 +50,35 @@ impl Row {
         self.by[0] * at(0) + self.by[1] * at(1) + self.by[2] * at(2)
     }
 
+    /// What the limits are multiplied by.
+    #[inline]
+    pub fn scale(&self, x: &[f64]) -> f64 {
+        self.rooted().map_or(1.0, |root| if self.is_linear { x[root] } else { 1.0 / x[root].sqrt() })
+    }
+
     /// The unknown in the middle, where the row is counted.
+    #[inline]
     pub fn middle(&self, unknowns: usize) -> usize {
         (self.first + 1).min(unknowns - 1)
     }
 
     /// The unknown that the limit goes with.
+    #[inline]
     pub fn rooted(&self) -> Option<usize> {
         self.root.map(|root| self.first + usize::from(root))
-    }
-
-    /// Limit over value: how many times the value may grow, with the unknowns as they are.
-    pub fn slack(&self, x: &[f64]) -> f64 {
-        let value = self.value(x);
-        let limit = if value > 0.0 { self.limits[0] } else { self.limits[1] };
-        self.rooted().map_or(limit, |root| limit / x[root].sqrt()) / value.abs()
     }
 }
 
 impl Near {
-    pub fn new(row: usize) -> Self {
+    pub fn new(number: usize, row: Row) -> Self {
         let none = [0.0; 2];
-        Near { row, multipliers: none, slack: none, inverse: none, bend: none, slack_step: none, step: none }
+        Near { number, row, multipliers: none, slack: none, inverse: none, bend: none, slack_step: none, step: none }
     }
+
     /// Adds what the limits of its row curve the barrier by to a band of the Newton matrix.
-    pub fn add_curvature(&self, row: &Row, band: &mut [[f64; 3]]) {
+    #[inline]
+    pub fn add_curvature(&self, band: &mut [[f64; 3]]) {
+        let row = &self.row;
         let w = [self.multipliers[0] * self.inverse[0], self.multipliers[1] * self.inverse[1]];
         let both = w[0] + w[1];
         let [a, b, c] = row.by;
@@ -96,7 +107,9 @@ impl Near {
         }
     }
 
-    pub fn look(&mut self, row: &Row, x: &[f64]) {
+    #[inline]
+    pub fn look(&mut self, x: &[f64]) {
+        let row = &self.row;
         let value = row.value(x);
         let (scale, bend) = row.rooted().map_or((1.0, 0.0), |root| {
             if row.is_linear {
@@ -111,7 +124,9 @@ impl Near {
     }
 
     /// Adds the gradients of both sides times these numbers.
-    pub fn add(&self, row: &Row, to: &mut [f64], push: [f64; 2]) {
+    #[inline]
+    pub fn add(&self, to: &mut [f64], push: [f64; 2]) {
+        let row = &self.row;
         let along = push[0] - push[1];
         for (entry, by) in to[row.first..].iter_mut().zip(&row.by) {
             *entry += along * by;
@@ -121,7 +136,9 @@ impl Near {
         }
     }
 
-    pub fn move_by(&mut self, row: &Row, dx: &[f64]) {
+    #[inline]
+    pub fn move_by(&mut self, dx: &[f64]) {
+        let row = &self.row;
         let rise = row.value(dx);
         let root = row.rooted().map_or(0.0, |root| dx[root]);
         self.slack_step = [self.bend[0] * root - rise, self.bend[1] * root + rise];

@@ -172,6 +172,32 @@ fn flow_limits_hold() {
     assert!((ramped - 5.0).abs() < 0.05 && ramped > free + 0.5, "{ramped} {free}");
 }
 
+/// On rough paths the times of the spline end the search: they keep what the extruder can follow.
+#[test]
+fn flow_limits_hold_on_rough_paths() {
+    let mut rng = Pcg64::seed_from_u64(21);
+    let mut steepest = 0.0f64;
+    for case in 0..12 {
+        let postures: Vec<[f64; 2]> = walk(&mut rng, 12 + case, 0.1);
+        let planned: Vec<f64> = (0..postures.len()).map(|k| 0.1 * k as f64).collect();
+        let pieces = postures.len() - 1;
+        let (flow_mm3_s, max_pace) = (vec![8.0; pieces], vec![4.0; pieces]);
+        let flow = FlowLimits { flow_mm3_s: &flow_mm3_s, max_flow_mm3_s: 14.0, max_ramp_mm3_s2: 40.0 };
+        let (limits, options) = (bounds(3.0, 10.0, 100.0), TimePathOptions::default());
+        let motion = time_path(&postures, &planned, &max_pace, Some(flow), &limits, &options, &quiet).unwrap();
+        holds(&motion, &postures, &planned, &max_pace, &limits);
+        let times = motion.trajectory.times();
+        let flows: Vec<f64> = motion.pace.iter().map(|pace| 8.0 * pace).collect();
+        assert!(flows.iter().all(|&flow| flow <= 14.0 * (1.0 + 1e-6)), "case {case}");
+        for k in 4..times.len() - 5 {
+            let ramp = (flows[k + 1] - flows[k]) / (times[k + 1] - times[k]);
+            steepest = steepest.max(ramp.abs() / 40.0);
+        }
+    }
+    println!("steepest {steepest:.4}");
+    assert!((0.9..1.05).contains(&steepest), "{steepest}");
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // The oracle: sequential convex programming with clarabel, on a grid of its own, with limits pointwise at its knots.
 
@@ -411,9 +437,41 @@ fn as_fast_as_the_oracle_on_random_splines() {
     let most = |list: &[f64]| list.iter().fold(0.0f64, |most, share| most.max(share.abs()));
     println!("ideal: mean {:.4} most {:.4}", mean(&ideal), most(&ideal));
     println!("executed: mean {:.4} most {:.4}", mean(&executed), most(&executed));
-    // Found: 0.0008, 0.0101, 0.0031 and 0.0215.
+    // Found: 0.0007, 0.0101, -0.0046 and 0.0217; none is longer than that of the oracle by more than 0.0019.
     assert!(mean(&ideal).abs() < 2e-3 && most(&ideal) < 1.3e-2);
     assert!(mean(&executed) < 4e-3 && most(&executed) < 2.5e-2);
+    assert!(executed.iter().all(|share| *share < 5e-3), "{executed:.4?}");
+}
+
+/// Shorter times must not be bought by corners cut between knots.
+#[test]
+fn between_knots_the_spline_stays_on_the_path() {
+    let mut rng = Pcg64::seed_from_u64(5);
+    let mut farthest = Vec::new();
+    for case in 0..40 {
+        let postures: Vec<[f64; 2]> = walk(&mut rng, 6 + case % 5, 0.05 + 0.0025 * case as f64);
+        let motion = timed(&postures, ORACLE_STEP, 4.0, &bounds(3.0, 10.0, 100.0));
+        let splines: [Natural; 2] =
+            std::array::from_fn(|j| Natural::new(postures.iter().map(|q| q[j]).collect(), ORACLE_STEP));
+        let times = motion.trajectory.times();
+        let mut most = 0.0f64;
+        for k in 0..times.len() - 1 {
+            for part in 1..4 {
+                let at = motion.trajectory.at(times[k] + 0.25 * f64::from(part) * (times[k + 1] - times[k])).position;
+                let off = |along: i32| {
+                    let s = motion.planned[k] + 0.005 * f64::from(along) * (motion.planned[k + 1] - motion.planned[k]);
+                    let piece = ((s / ORACLE_STEP) as usize).min(postures.len() - 2);
+                    let on = |j: usize| splines[j].angle(piece, s - ORACLE_STEP * piece as f64);
+                    (at[0] - on(0)).hypot(at[1] - on(1))
+                };
+                most = most.max((0..=200).map(off).fold(f64::INFINITY, f64::min));
+            }
+        }
+        farthest.push(most);
+    }
+    farthest.sort_by(f64::total_cmp);
+    println!("median {:.1e}, most {:.1e}", farthest[20], farthest[39]);
+    assert!(farthest[20] < 3e-5 && farthest[39] < 1e-4, "{:.1e}", farthest[39]);
 }
 
 #[test]

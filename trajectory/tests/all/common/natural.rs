@@ -23,6 +23,12 @@ impl Natural {
         Natural { spacing, angles, bends }
     }
 
+    pub fn angle(&self, piece: usize, along: f64) -> f64 {
+        let (h, bend, next) = (self.spacing, self.bends[piece], self.bends[piece + 1]);
+        let slope = (self.angles[piece + 1] - self.angles[piece]) / h - h * (2.0 * bend + next) / 6.0;
+        self.angles[piece] + along * (slope + along * (bend / 2.0 + along * (next - bend) / (6.0 * h)))
+    }
+
     pub fn at(&self, piece: usize, along: f64) -> [f64; 3] {
         let (h, third) = (self.spacing, (self.bends[piece + 1] - self.bends[piece]) / self.spacing);
         let rise = (self.angles[piece + 1] - self.angles[piece]) / h;
