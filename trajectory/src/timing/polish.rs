@@ -205,13 +205,7 @@ impl<'a, const N: usize> Path<'a, N> {
                     continue;
                 }
                 put(k, [1.0, 0.0], j, (k, 0.0), m[k][j], acceleration[j]);
-                let (value, direct, by) = if k + 1 < n {
-                    let rise = self.inner[k][j] - self.inner[k - 1][j];
-                    let bend = (2.0 * m[k][j] + m[k + 1][j]) / 6.0;
-                    (rise / h - h * bend, -rise / (h * h) - bend, [-h / 3.0, -h / 6.0])
-                } else {
-                    (-0.5 * h * m[k][j], -0.5 * m[k][j], [-0.5 * h, 0.0])
-                };
+                let (value, direct, by) = around.speed(self.inner, k, j);
                 put(k, by, j, (k, direct), value, velocity[j]);
             }
         }
@@ -293,6 +287,19 @@ impl<const N: usize> Derivatives<N> {
         Derivatives { spline, steps, inverse, before, behind }
     }
 
+    /// The speed of a joint at the start of a piece but the first, its derivative by the time of the piece alone, and those by the second derivatives at
+    /// both ends of it.
+    fn speed(&self, inner: &[[f64; N]], piece: usize, j: usize) -> (f64, f64, [f64; 2]) {
+        let (h, m) = (self.steps[piece], &self.spline.accelerations);
+        // The last piece ends at rest.
+        if piece + 1 == self.steps.len() {
+            return (-0.5 * h * m[piece][j], -0.5 * m[piece][j], [-0.5 * h, 0.0]);
+        }
+        let rise = inner[piece][j] - inner[piece - 1][j];
+        let bend = (2.0 * m[piece][j] + m[piece + 1][j]) / 6.0;
+        (rise / h - h * bend, -rise / (h * h) - bend, [-h / 3.0, -h / 6.0])
+    }
+
     /// Derivatives by the shares by which times change, of a sum of the second derivatives at a knot and the next with a direct term:
     /// the first unknown, the terms, and their number.
     fn terms(&self, knot: usize, by: [f64; 2], j: usize, direct: (usize, f64)) -> (usize, [f64; WIDTH], usize) {
@@ -322,6 +329,7 @@ impl<const N: usize> Derivatives<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spline::{Timeline, Trajectory};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
@@ -339,6 +347,8 @@ mod tests {
                 }));
                 Spline::new(times.collect(), &inner).unwrap()
             };
+            let motion =
+                |spline: &Spline<2>| Trajectory::new(&Timeline::at_rest(&spline.times).unwrap(), &inner).unwrap();
             let around = Derivatives::new(spline(&steps), &inner);
             let changed = |k: usize, by: f64| {
                 let mut steps = steps.clone();
@@ -352,14 +362,21 @@ mod tests {
                     let slope = |k: usize, of: &dyn Fn(&Spline<2>) -> f64| {
                         (of(&differences[k][0]) - of(&differences[k][1])) / 2e-5
                     };
-                    let expected = [
+                    let mut rows = vec![
                         (jerk, (0..n).map(|k| slope(k, &|spline| spline.jerks[knot][j])).collect::<Vec<f64>>()),
                         (
                             around.terms(knot, [1.0, 0.0], j, (knot, 0.0)),
                             (0..n).map(|k| slope(k, &|spline| spline.accelerations[knot][j])).collect(),
                         ),
                     ];
-                    for ((first, terms, count), expected) in expected {
+                    if knot > 0 {
+                        let speed = |spline: &Spline<2>| motion(spline).at(spline.times[knot]).velocity[j];
+                        let (value, direct, by) = around.speed(&inner, knot, j);
+                        assert!((value - speed(&around.spline)).abs() < 1e-9 * (1.0 + value.abs()), "{n} {knot} {j}");
+                        let slopes = (0..n).map(|k| slope(k, &speed)).collect();
+                        rows.push((around.terms(knot, by, j, (knot, direct)), slopes));
+                    }
+                    for ((first, terms, count), expected) in rows {
                         let largest = expected.iter().fold(1e-9f64, |most, value| most.max(value.abs()));
                         for (k, expected) in expected.into_iter().enumerate() {
                             let term = k.checked_sub(first).filter(|at| *at < count).map_or(0.0, |at| terms[at]);
