@@ -20,10 +20,6 @@ use nalgebra::Point3;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 
-/// Points of finished curves that are this near to the straight line between others make no difference, as a share of a bead: levels are found to an
-/// eightieth ([`TOLERANCE`]).
-const STRAIGHT: f64 = 0.002;
-
 /// Fills a surface with beads and judges them. Where fitted beads ([`PathOptions::fitted`]) cross, it takes uniform ones.
 ///
 /// With sparse infill ([`PathOptions::infill`]) it is taken for a part of one layer: if there are skins all of it is one.
@@ -319,8 +315,6 @@ pub fn fill_rest(
         mark_support(&mut layers, surfaces, options.bead)?;
     }
     check_any(&layers, options.bead)?;
-    let paths = layers.iter_mut().flatten().flat_map(|layer| &mut layer.paths.paths);
-    paths.for_each(|path| path.straighten(STRAIGHT * options.bead));
     let order = in_travel_order(&mut layers, progress)?;
     Ok(FilledLayers { layers, travel_mm: order.travel_mm, given_mm: order.given_mm })
 }

@@ -10,7 +10,6 @@ mod kind;
 mod layer;
 mod options;
 mod points;
-mod straight;
 
 pub use error::PathError;
 pub use infill::{InfillOptions, InfillPattern};
