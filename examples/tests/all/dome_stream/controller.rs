@@ -52,13 +52,18 @@ pub fn start(places: usize, faults: Faults, seed: u64) -> (String, JoinHandle<Co
         let mut random = Pcg64::seed_from_u64(seed);
         loop {
             let (socket, _) = listener.accept().unwrap();
-            controller.connections += 1;
             if controller.serve(socket, faults, &mut random) {
                 return controller;
             }
         }
     };
     (address, thread::spawn(run))
+}
+
+/// What it was at the end, once the sender is gone. It may have broken the last connection when all was done: then it waits for another one.
+pub fn end(address: &str, controller: JoinHandle<Controller>) -> Controller {
+    drop(TcpStream::connect(address));
+    controller.join().unwrap()
 }
 
 impl Controller {
@@ -68,10 +73,16 @@ impl Controller {
         self.connection = 0;
         let mut late: Vec<String> = Vec::new();
         let (mut waiting, mut bytes) = (Vec::new(), [0; 4096]);
+        // A connection counts with its first frame.
+        let mut is_silent = true;
         loop {
             match socket.read(&mut bytes) {
                 Ok(0) => return self.is_home(),
-                Ok(read) => waiting.extend(&bytes[..read]),
+                Ok(read) => {
+                    self.connections += u32::from(is_silent);
+                    is_silent = false;
+                    waiting.extend(&bytes[..read]);
+                }
                 Err(error) if [ErrorKind::WouldBlock, ErrorKind::TimedOut].contains(&error.kind()) => {}
                 Err(_) => return self.is_home(),
             }

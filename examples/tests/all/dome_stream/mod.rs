@@ -6,7 +6,7 @@ mod controller;
 mod extruder;
 
 use crate::dome_drawing::example::stream::{Clock, Command, StreamError, SystemClock, parse, stream};
-use controller::{Faults, is_home, start};
+use controller::{Faults, end, is_home, start};
 use curvlay_kinematics::nalgebra::Isometry3;
 use curvlay_kinematics::program::link::{LinkError, LinkMessage, LinkOptions, LinkProgress};
 use curvlay_kinematics::program::{ConfData, ExtruderCommand, Speed, Target, Zone};
@@ -89,7 +89,7 @@ fn nothing_is_lost_and_nothing_is_done_twice() {
         )
         .unwrap();
         assert!(progress.over && progress.done as usize == all.len());
-        let controller = controller.join().unwrap();
+        let controller = end(&address, controller);
         assert_eq!(words(&controller.performed), wanted(&all), "{seed}");
         if seed > 1 {
             // It was as bad as it should be.
@@ -129,7 +129,7 @@ fn a_print_can_be_paused_and_raised() {
         };
         stream(&address, all.iter().map(|message| Ok(*message)), options(), &commands, &SystemClock::start(), reported)
             .unwrap();
-        let controller = controller.join().unwrap();
+        let controller = end(&address, controller);
         assert_eq!(controller.holds, [true, false], "{seed}");
         assert!(!controller.moved_on_hold);
         assert_eq!(controller.performed.len(), all.len());
@@ -154,7 +154,7 @@ fn the_example_streams_what_it_plans() {
     let (address, controller) = start(3, Faults::default(), 7);
     let words = ["--fill", "none", "--step", "20", "--stream", &address, "--queue", "3", "--pulse-reverse", "150"];
     let path = crate::dome_drawing::run("streamed", &words).unwrap().0;
-    let performed = controller.join().unwrap().performed;
+    let performed = end(&address, controller).performed;
     let part = std::fs::read_to_string(path.join("drawing_001.mod")).unwrap();
     let count = |kind: char| performed.iter().filter(|message| message.starts_with(kind)).count();
     // As many moves as the program has, and the way home.
