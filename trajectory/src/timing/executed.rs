@@ -1,4 +1,4 @@
-//! The executed spline: how far it is from the program, and by how much time must be stretched for it.
+//! The executed spline: how far it is from the program, and by how much its times must be scaled.
 
 use super::curve::{Grid, Warp};
 use super::limits::Task;
@@ -6,7 +6,7 @@ use super::polish::Path;
 use super::program::Program;
 use super::result::{TimePathError, TimePathStatus, TimedMotion};
 use super::rows::{Kind, Rows, unknown};
-use super::stretch::{Spline, stretch, stretch_evenly};
+use super::scaling::{Spline, scale_all, scaled};
 use crate::spline::{Timeline, Trajectory};
 
 /// Limits of the program move between these shares of the limit. The spline passes the program's jerk by a quarter
@@ -23,7 +23,7 @@ const SLOWER: f64 = 0.2;
 /// Gap and residual of each round's solution, as a share of the tolerance.
 const GAP: f64 = 0.75;
 
-/// Rounds end when the spline needs no more stretching, and limits that move promise no more, than this share of the tolerance.
+/// Rounds end when no times of the spline need to be scaled, and limits that move promise no more, than this share of the tolerance.
 const SETTLED: f64 = 0.5;
 
 /// After so many rounds they go on only while the program's solution is shorter than all before, by that share as well: where the spline needs less
@@ -163,7 +163,7 @@ fn farther([above, below]: [f64; 2], value: f64, [a, b]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Moves the outermost inner knots so that the resting ones, which follow from their neighbours, are the ends of the path. The knots are
-/// moved by about as much as the ends were missed; a knot that is a posture stays. Stretching all time changes nothing in it.
+/// moved by about as much as the ends were missed; a knot that is a posture stays. Scaling all times changes nothing in it.
 fn meet_ends<const N: usize>(grid: &Grid<N>, times: &[f64], inner: &mut [[f64; N]]) -> Result<(), TimePathError> {
     let line = Timeline::at_rest(times).map_err(|_| TimePathError::Range)?;
     let last = inner.len() - 1;
@@ -184,7 +184,7 @@ fn meet_ends<const N: usize>(grid: &Grid<N>, times: &[f64], inner: &mut [[f64; N
     Ok(())
 }
 
-/// Solves, corrects and stretches.
+/// Solves, corrects and scales times.
 pub(super) fn run<const N: usize>(
     task: &Task<'_, N>,
     warp: &Warp,
@@ -208,7 +208,7 @@ pub(super) fn run<const N: usize>(
     if (0..N).any(|j| task.jerk[j] < task.bounds.jerk[j]) {
         meet_ends(grid, &times, &mut inner)?;
     }
-    stretch_evenly(task, &inner, &mut times)?;
+    scale_all(task, &inner, &mut times)?;
     let line = Timeline::at_rest(&times).map_err(|_| TimePathError::Range)?;
     let trajectory = Trajectory::new(&line, &inner).map_err(|_| TimePathError::Range)?;
     if trajectory.joints().iter().flatten().any(|angle| !angle.is_finite()) {
@@ -297,7 +297,7 @@ fn rounds<const N: usize>(
         let is_shorter = program.time() < (1.0 - SETTLED * options.tolerance) * shortest;
         shortest = shortest.min(program.time());
         let spline = Spline::new(times_of(program), inner)?;
-        let (duration, times) = stretch(task, inner, &spline)?;
+        let (duration, times) = scaled(task, inner, &spline)?;
         found.solved = outcome.residual <= options.tolerance;
         let gained = found.best.as_ref().map_or(f64::INFINITY, |best| best.duration / duration - 1.0);
         let left = duration / program.time() - 1.0;
@@ -310,7 +310,7 @@ fn rounds<const N: usize>(
             break;
         }
         let correction = Correction::new(task, &spline, program);
-        // Where the spline needs no stretching, limits that move only up can gain so much at most.
+        // Where no times need to be scaled, limits that move only up can gain so much at most.
         let promised = program.gain(|rows, knot, kind| correction.limits(rows, knot, kind)) / program.time();
         found.is_settled = left.max(promised) <= SETTLED * options.tolerance;
         if found.is_settled || (round >= FEW && !is_shorter) {
@@ -323,7 +323,7 @@ fn rounds<const N: usize>(
     Ok(found)
 }
 
-/// The pace at each knot: that of the program, slower where time was stretched; zero at both ends.
+/// The pace at each knot: that of the program, slower where times were scaled; zero at both ends.
 fn paces<const N: usize>(grid: &Grid<N>, program: &Program<N>, spline: &Spline<N>, times: &[f64]) -> Vec<f64> {
     let pace = |knot: usize| {
         let slower = (times[knot + 1] - times[knot - 1]) / (spline.times[knot + 1] - spline.times[knot - 1]);

@@ -50,14 +50,24 @@ pub(super) struct Task<'a, const N: usize> {
     pub options: &'a TimePathOptions,
 }
 
-impl<const N: usize> Task<'_, N> {
+impl<'a, const N: usize> Task<'a, N> {
+    pub fn new(
+        planned: &'a [f64],
+        max_pace: &'a [f64],
+        flow: Option<FlowLimits<'a>>,
+        bounds: &'a Bounds<N>,
+        options: &'a TimePathOptions,
+    ) -> Self {
+        Task { planned, max_pace, flow, bounds, jerk: bounds.jerk, options }
+    }
+
     /// The same without limits of jerk.
     pub fn without_jerk(&self) -> Self {
         Task { jerk: [f64::INFINITY; N], ..*self }
     }
 
     /// The same with limits of jerk that a grid can resolve, where those of the bounds let an acceleration build up in no time. A
-    /// spline cannot follow that: it rings, and time is stretched for it.
+    /// spline cannot follow that: it rings, and times are scaled for it.
     ///
     /// # Arguments
     /// * `duration`: about that of the path without limits of jerk, in seconds.

@@ -14,7 +14,7 @@
 //! is the C2 cubic spline through the knots at their times, and not the solution of the program: its accelerations and
 //! jerks, in closed form, are compared with those of the program, the limits of the program move by the difference, and
 //! it is solved again from where it was. A row more at each knot keeps the squared pace from spikes that the spline
-//! cannot follow. Then the times of the spline's pieces are the unknowns, with rows of the spline itself (see `polish`). Time is stretched around each place where a limit is passed, and uniformly by what is left.
+//! cannot follow. Then the times of the spline's pieces are the unknowns, with rows of the spline itself (see `polish`). Times are scaled up around each place where a limit is passed, and all alike by what is left (see `scaling`).
 
 mod curve;
 mod executed;
@@ -30,8 +30,8 @@ mod program;
 mod result;
 mod row;
 mod rows;
+mod scaling;
 mod start;
-mod stretch;
 mod wide;
 
 use crate::{Bounds, Progress, ProgressFn};
@@ -92,7 +92,7 @@ pub fn time_path<const N: usize>(
 ) -> Result<TimedMotion<N>, TimePathError> {
     check(postures, planned, max_pace, flow, bounds, options)?;
     let curve = Curve::new(postures, planned);
-    let task = limits::Task { planned, max_pace, flow, bounds, jerk: bounds.jerk, options };
+    let task = limits::Task::new(planned, max_pace, flow, bounds, options);
     let mut done = 0;
     let mut stop = || {
         done += 1;

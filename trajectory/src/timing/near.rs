@@ -125,14 +125,7 @@ mod tests {
         for pace in [1.0, 3.0, f64::INFINITY] {
             let postures: Vec<[f64; 3]> = planned.iter().map(|_| [0; 3].map(|_| rng.random_range(-0.1..0.1))).collect();
             let max_pace = [pace; 8];
-            let task = Task {
-                planned: &planned,
-                max_pace: &max_pace,
-                flow: None,
-                bounds: &bounds,
-                jerk: bounds.jerk,
-                options: &options,
-            };
+            let task = Task::new(&planned, &max_pace, None, &bounds, &options);
             let curve = Curve::new(&postures, &planned);
             let (warp, parts) = task.layout(&curve);
             let mut program = task.program(&Grid::new(&curve, &warp, &parts, options.ramp));

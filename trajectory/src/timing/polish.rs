@@ -7,12 +7,12 @@
 //! from both ends (G. Meurant, "A review on the inverse of symmetric tridiagonal and block tridiagonal matrices", SIAM J. Matrix
 //! Anal. Appl. 13(3), 1992) and fall to about a quarter from knot to knot, so that rows are narrow. A sequence of linear programs within
 //! bounds of the steps (R. E. Griffith and R. A. Stewart, "A nonlinear programming technique for the optimization of continuous processing
-//! systems", Management Science 7(4), 1961) shortens the duration. Each is judged by the stretched spline, and only a shorter one is taken.
+//! systems", Management Science 7(4), 1961) shortens the duration. Each is judged by the spline with its times scaled, and only a shorter one is taken.
 
 use super::curve::Grid;
 use super::limits::Task;
 use super::result::TimePathError;
-use super::stretch::{Spline, stretch};
+use super::scaling::{Spline, scaled};
 use super::wide::Wide;
 use crate::Bounds;
 
@@ -110,7 +110,7 @@ impl<'a, const N: usize> Path<'a, N> {
                 times.push(times[k] + (1.0 + part * y) * (best.1[k + 1] - best.1[k]));
             }
             let Ok(spline) = Spline::new(times, self.inner) else { break };
-            let found = stretch(self.task, self.inner, &spline)?;
+            let found = scaled(self.task, self.inner, &spline)?;
             let gained = 1.0 - found.0 / best.0;
             if gained > 0.0 {
                 *best = found;

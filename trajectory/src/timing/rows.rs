@@ -20,7 +20,7 @@ const NEAR: f64 = 0.5;
 /// How far the squared pace at a knot may be from the line between its neighbours, as a share of itself. Where all joints
 /// turn around, no other row holds it, and a knot far above its neighbours rings through the whole spline. On the random
 /// splines of the oracle test the executed duration was 1.2 % above the oracle without this, 0.9 % with 0.3, 0.56 % with 0.1
-/// and 0.65 % with 0.05 (before local stretches).
+/// and 0.65 % with 0.05 (before times were scaled locally).
 const SPIKE: f64 = 0.12;
 
 pub(super) struct Rows<const N: usize> {

@@ -10,7 +10,7 @@
 //! Minimises `sum h_k (1 + w/2 sum_j (jerk_j / limit_j)^2)` over `theta` and `h`, with limits on speed, acceleration and jerk as
 //! divided differences over two, three and four waypoints. Each round linearises `q(theta)` by the robot's derivatives and the
 //! differences by `theta` and `log h`, and solves the banded program (see `program`). A round is accepted by the duration
-//! that is left when time is stretched wherever a limit is passed, with exact inverse kinematics; otherwise joints move less in the next one.
+//! that is left when times are scaled wherever a limit is passed, with exact inverse kinematics; otherwise joints move less in the next one.
 //!
 //! Departs from Debrouwere et al.: they time a fixed path. The small weight `w` on the squared jerk is not there for
 //! smoothness alone: differences over four waypoints do not see all of the jerk of the spline that alternates from piece to piece, and without

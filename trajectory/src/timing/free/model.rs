@@ -109,7 +109,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
         self.steps.iter().sum()
     }
 
-    /// The rows at this point, each as a share of its limit, and the duration if time is stretched wherever a limit is
+    /// The rows at this point, each as a share of its limit, and the duration if times are scaled wherever a limit is
     /// passed. The unknowns of a waypoint are its free parameters and the time to the next waypoint, relative to what it is.
     ///
     /// # Arguments
@@ -119,14 +119,14 @@ impl<const N: usize, const F: usize> Point<N, F> {
         rows.clear();
         let last = self.joints.len() - 1;
         let stride = F + 1;
-        let mut stretches = vec![1.0f64; last];
+        let mut factors = vec![1.0f64; last];
         // Windows of four waypoints, of which those before the first and after the last stand still.
         for k in 0..last + 2 {
             let at: [usize; 4] = std::array::from_fn(|i| (k + i).saturating_sub(2).min(last));
             let pieces: [usize; 3] = std::array::from_fn(|i| (k + i).saturating_sub(2).min(last - 1));
             let h = pieces.map(|piece| self.steps[piece]);
             let stencil = Stencil::new(h);
-            let stretch = &mut stretches[pieces[1]];
+            let factor = &mut factors[pieces[1]];
             for j in 0..N {
                 let q = at.map(|at| self.joints[at][j]);
                 let [speed, acceleration, jerk] = stencil.rates(q);
@@ -141,7 +141,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
                     if !counts || limit == f64::INFINITY || (order < 2 && value.abs() < FAR) {
                         continue;
                     }
-                    *stretch = stretch.max(match order {
+                    *factor = factor.max(match order {
                         0 => value.abs(),
                         1 => value.abs().sqrt(),
                         _ => value.abs().cbrt(),
@@ -158,7 +158,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
                 self.add_stops(k - 1, bounds, reach, rows);
             }
         }
-        stretches.iter().zip(&self.steps).map(|(stretch, step)| stretch * step).sum()
+        factors.iter().zip(&self.steps).map(|(factor, step)| factor * step).sum()
     }
 
     /// Rows for the stops of a waypoint's joints.

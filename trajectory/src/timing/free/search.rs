@@ -125,7 +125,7 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Task<'_, R, N, F> 
 /// The state of the rounds.
 pub(super) struct Search<const N: usize, const F: usize> {
     pub best: Point<N, F>,
-    /// Of the best point, time stretched where limits are passed.
+    /// Of the best point, times scaled where limits are passed.
     duration: f64,
     pub rounds: usize,
     pub gain: f64,

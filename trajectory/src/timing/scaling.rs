@@ -1,6 +1,7 @@
-//! The spline that is executed, and by how much time must be stretched for it to hold all limits.
+//! The spline that is executed, and by how much its times must be scaled up for it to hold all limits (J. M. Hollerbach, "Dynamic scaling of manipulator
+//! trajectories", J. Dynamic Systems, Measurement, and Control 106(1), 1984: of the whole; here around single places, too).
 //!
-//! The influence of a piece on the second derivatives of the spline falls to a quarter from knot to knot. So where time is stretched around a few
+//! The influence of a piece on the second derivatives of the spline falls to a quarter from knot to knot. So where times are scaled around a few
 //! places, the spline is solved again around these alone.
 
 use super::limits::Task;
@@ -8,18 +9,18 @@ use super::result::TimePathError;
 use crate::Bounds;
 use std::ops::Range;
 
-/// Pieces on both sides that are stretched with one. A change of pace over fewer pieces needs jerk itself: with 8, a
+/// Pieces on both sides whose times are scaled with those of one. A change of pace over fewer pieces needs jerk itself: with 8, a
 /// rough path of seven joints took 0.8 % more than the program (and `NEAR` at 0.6), with 12 it took 0.1 %.
 const AROUND: usize = 12;
 
-/// How often they are, and the excess that is left to the uniform stretch: a duration grows by at most this share for it.
-const LOCAL_STRETCHES: usize = 6;
+/// How often they are, and the excess that is left to scaling all times alike: a duration grows by at most this share for it.
+const LOCAL_ROUNDS: usize = 6;
 const MAX_EXCESS: f64 = 1e-5;
 
-/// How often the stretched spline is checked again: rounding is all that is left after the first time.
-const STRETCHES: usize = 8;
+/// How often the scaled spline is checked again: rounding is all that is left after the first time.
+const ROUNDS: usize = 8;
 
-/// Pieces on both sides of those that are stretched in which the spline changes by more than rounding.
+/// Pieces on both sides of those whose times are scaled in which the spline changes by more than rounding.
 const REACH: usize = 40;
 
 /// A spline through the knots at the times of the program.
@@ -113,7 +114,7 @@ impl<const N: usize> Spline<N> {
         }
     }
 
-    /// By what factor the time of a piece must be stretched, if that of all is.
+    /// By what factor the time of a piece must be scaled, if that of all is.
     fn excess(&self, task: &Task<'_, N>, k: usize) -> f64 {
         let Bounds { velocity, acceleration, jerk, .. } = task.bounds;
         let mut most = [0.0f64; 3];
@@ -127,8 +128,8 @@ impl<const N: usize> Spline<N> {
         if above { most[0].max(most[1].sqrt()).max(most[2].cbrt()) } else { 1.0 }
     }
 
-    /// Stretches the pieces around each excess, less with the distance from it, and renews the excesses.
-    fn stretch(&mut self, task: &Task<'_, N>, inner: &[[f64; N]], excess: &mut [f64]) -> Result<(), TimePathError> {
+    /// Scales the times of the pieces around each excess, less with the distance from it, and renews the excesses.
+    fn scale(&mut self, task: &Task<'_, N>, inner: &[[f64; N]], excess: &mut [f64]) -> Result<(), TimePathError> {
         let count = excess.len();
         let mut factors = vec![1.0f64; count];
         let mut changed: Vec<Range<usize>> = Vec::new();
@@ -158,8 +159,8 @@ impl<const N: usize> Spline<N> {
     }
 }
 
-/// Stretches time where the spline does not hold all limits, then as a whole by what is left. Returns the duration and the times.
-pub(super) fn stretch<const N: usize>(
+/// Scales times where the spline does not hold all limits, then all of them by what is left. Returns the duration and the times.
+pub(super) fn scaled<const N: usize>(
     task: &Task<'_, N>,
     inner: &[[f64; N]],
     first: &Spline<N>,
@@ -174,8 +175,8 @@ pub(super) fn stretch<const N: usize>(
         return Ok(best);
     }
     let mut spline = first.clone();
-    for _ in 1..LOCAL_STRETCHES {
-        spline.stretch(task, inner, &mut excess)?;
+    for _ in 1..LOCAL_ROUNDS {
+        spline.scale(task, inner, &mut excess)?;
         factor = most(&excess);
         if factor * spline.times[last] < best.0 {
             best = whole(&spline.times, factor);
@@ -187,14 +188,14 @@ pub(super) fn stretch<const N: usize>(
     Ok(best)
 }
 
-/// Stretches all time until every limit holds. Velocities fall with the factor, accelerations with its square, jerks with its cube, so
+/// Scales all times until every limit holds. Velocities fall with the factor, accelerations with its square, jerks with its cube, so
 /// once is enough but for rounding.
-pub(super) fn stretch_evenly<const N: usize>(
+pub(super) fn scale_all<const N: usize>(
     task: &Task<'_, N>,
     inner: &[[f64; N]],
     times: &mut [f64],
 ) -> Result<(), TimePathError> {
-    for _ in 0..STRETCHES {
+    for _ in 0..ROUNDS {
         let spline = Spline::new(times.to_vec(), inner)?;
         let whole = (0..=inner.len()).fold(1.0f64, |most, k| most.max(spline.excess(task, k)));
         if whole <= 1.0 {
@@ -220,7 +221,7 @@ mod tests {
 
     /// Solved in part it is the spline that is solved as a whole, and both are the trajectory.
     #[test]
-    fn stretched_around_a_few_places_it_is_the_whole_spline() {
+    fn scaled_around_a_few_places_it_is_the_whole_spline() {
         let mut rng = Pcg64::seed_from_u64(9);
         let options = TimePathOptions::default();
         for count in [2, 3, 20, 100, 400] {
@@ -232,18 +233,11 @@ mod tests {
             let highest = first.jerks.iter().flatten().fold(0.0f64, |most, jerk| most.max(jerk.abs()));
             let bounds = Bounds::<2> { jerk: [0.5 * highest; 2], ..Bounds::NONE };
             let (planned, max_pace) = ([0.0, 1.0], [1.0]);
-            let task = Task {
-                planned: &planned,
-                max_pace: &max_pace,
-                flow: None,
-                bounds: &bounds,
-                jerk: bounds.jerk,
-                options: &options,
-            };
+            let task = Task::new(&planned, &max_pace, None, &bounds, &options);
             let mut excess: Vec<f64> = (0..=count).map(|k| first.excess(&task, k)).collect();
             assert!(excess.iter().any(|excess| *excess > 1.2), "{count}");
             let mut spline = first.clone();
-            spline.stretch(&task, &inner, &mut excess).unwrap();
+            spline.scale(&task, &inner, &mut excess).unwrap();
             assert!(spline.times[count + 1] > first.times[count + 1]);
             let whole = Spline::new(spline.times.clone(), &inner).unwrap();
             assert!(near(&spline.accelerations, &whole.accelerations), "{count}");
