@@ -64,13 +64,12 @@ impl BuiltCurve<'_> {
         }
     }
 
-    /// How many points and how many widths it has, where these differ.
-    fn mismatch(&self) -> Option<[usize; 2]> {
+    /// How many widths it has, which a list may have more or fewer of than points.
+    fn widths(&self) -> usize {
         match self {
-            BuiltCurve::Given(LayerCurve { points, widths, .. }) => Some([points.len(), widths.len()]),
-            BuiltCurve::Path(_) => None,
+            BuiltCurve::Given(curve) => curve.widths.len(),
+            BuiltCurve::Path(path) => path.points.len(),
         }
-        .filter(|[points, widths]| points != widths)
     }
 }
 
@@ -158,11 +157,11 @@ pub(super) fn check(number: usize, layer: &Built) -> Result<(), StackError> {
         return Err(StackError::BadSpacing { layer: number, triangle, spacing: layer.spacing[triangle] });
     }
     for (curve, given) in layer.curves.iter().enumerate() {
-        let points = given.len();
+        let (points, widths) = (given.len(), given.widths());
         if points < 2 + usize::from(given.is_closed()) {
             return Err(StackError::FewPoints { layer: number, curve, points });
         }
-        if let Some([points, widths]) = given.mismatch() {
+        if points != widths {
             return Err(StackError::WidthCount { layer: number, curve, widths, points });
         }
         if let Some(point) = (0..points).find(|&k| !sound(&given.at(k).0)) {
