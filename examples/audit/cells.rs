@@ -3,7 +3,7 @@
 use super::args::Args;
 use super::figures::{Audited, Check, Found, Place, Verdict};
 use super::orders::CellOrder;
-use super::part::Volume;
+use super::part::{NO_PART, Volume};
 use super::reach::Reach;
 use super::slip;
 use curvlay_examples::args::Failure;
@@ -143,7 +143,7 @@ pub fn audit(order: &CellOrder, args: &Args, part: Option<&Mesh>, bars: &Bars) -
 fn coverage(ordered: &Ordered, args: &Args, part: Option<&Mesh>, audited: &mut Audited) -> Result<(), Failure> {
     let order = ordered.order;
     let Some(mesh) = part else {
-        audited.absent(Check::Outside, "nothing to compare with: give the part as --mesh");
+        audited.absent(Check::Outside, NO_PART);
         if ordered.lists_missed {
             let places: Vec<Place> = ordered.missed.iter().map(|&cell| ordered.place(cell, 0, 1.0)).collect();
             let all = places.len() + ordered.layers.cells().len();
@@ -152,21 +152,16 @@ fn coverage(ordered: &Ordered, args: &Args, part: Option<&Mesh>, audited: &mut A
             let found = Found { amount, unit: "cells", share, note, ..Found::default() }.with_places(places);
             audited.set(Check::Uncovered, Verdict::Found(found));
         } else {
-            audited.absent(Check::Uncovered, "nothing to compare with: give the part as --mesh");
+            audited.absent(Check::Uncovered, NO_PART);
         }
         return Ok(());
     };
     let step = args.step_mm.unwrap_or(0.5 * order.cell_mm);
-    let far = far(order);
-    let [low, high] = mesh.bounds().unwrap_or([order.origin, far]);
-    let mut volume = Volume::new([low.inf(&order.origin), high.sup(&far)], step, args.max_cells)?;
-    volume.fill(mesh);
+    let mut volume = Volume::of(mesh, [order.origin, far(order)], step, args.max_cells)?;
     for &cell in ordered.layers.cells() {
         volume.cover(grown(order, cell, 0.0));
     }
-    audited.about.push(("part_volume_mm3", volume.part_mm3()));
-    audited.about.push(("step_mm", step));
-    audited.set(Check::Uncovered, Verdict::Found(volume.uncovered()));
+    volume.judge(audited);
     let mut places = Vec::new();
     for (layer, cells) in (1..).zip(ordered.layers.iter()) {
         // Cells of a part stick out of it.

@@ -1,9 +1,12 @@
 //! The part as points of a grid: what the input covers of it, and what it lays outside.
 
-use super::figures::{Found, Place};
+use super::figures::{Audited, Check, Found, Place, Verdict};
 use curvlay_examples::args::Failure;
 use curvlay_examples::mesh::Mesh;
 use nalgebra::{Point3, Vector3};
+
+/// Why nothing is compared without a part.
+pub const NO_PART: &str = "nothing to compare with: give the part as --mesh";
 
 /// The volume around part and input in cubes, by their middles: whether each is in the part, and whether something covers it.
 pub struct Volume {
@@ -15,11 +18,18 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Room for the part and what was laid.
+    /// A part, and room for what was laid within `bounds`.
     ///
     /// # Errors
     /// A line for a grid of more than `max_cells`, before it is allocated.
-    pub fn new(bounds: [Point3<f64>; 2], step: f64, max_cells: u64) -> Result<Self, Failure> {
+    pub fn of(part: &Mesh, bounds: [Point3<f64>; 2], step: f64, max_cells: u64) -> Result<Self, Failure> {
+        let [low, high] = part.bounds().unwrap_or(bounds);
+        let mut volume = Volume::new([low.inf(&bounds[0]), high.sup(&bounds[1])], step, max_cells)?;
+        volume.fill(part);
+        Ok(volume)
+    }
+
+    fn new(bounds: [Point3<f64>; 2], step: f64, max_cells: u64) -> Result<Self, Failure> {
         let low = bounds[0] - Vector3::repeat(step);
         let sides = [0, 1, 2].map(|axis| ((bounds[1][axis] - low[axis]) / step).ceil() + 1.0);
         let count: f64 = sides.iter().product();
@@ -49,7 +59,7 @@ impl Volume {
     }
 
     /// Fills the part: along each line in z, the ways between surfaces that are entered and left.
-    pub fn fill(&mut self, mesh: &Mesh) {
+    fn fill(&mut self, mesh: &Mesh) {
         let columns = self.sides[0] * self.sides[1];
         let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); columns];
         // Beside the lattice by an odd share of a step: corners and edges of a mesh do not lie on lines.
@@ -128,13 +138,19 @@ impl Volume {
         self.step.powi(3)
     }
 
+    /// Enters what nothing covers, once all that was laid does.
+    pub fn judge(&self, audited: &mut Audited) {
+        audited.about.extend([("part_volume_mm3", self.part_mm3()), ("step_mm", self.step)]);
+        audited.set(Check::Uncovered, Verdict::Found(self.uncovered()));
+    }
+
     /// Volume of the part, in mm3.
-    pub fn part_mm3(&self) -> f64 {
+    fn part_mm3(&self) -> f64 {
         ones(self.part.iter().copied()) as f64 * self.cube()
     }
 
     /// What of the part nothing covers.
-    pub fn uncovered(&self) -> Found {
+    fn uncovered(&self) -> Found {
         let words: Vec<u64> = self.part.iter().zip(&self.covered).map(|(&part, &covered)| part & !covered).collect();
         let amount = ones(words.iter().copied()) as f64 * self.cube();
         let part = self.part_mm3();

@@ -9,7 +9,7 @@ mod volume;
 
 use super::args::Args;
 use super::figures::{Audited, Check, Found, Laid, Place, Verdict};
-use super::part::Volume;
+use super::part::{NO_PART, Volume};
 use super::programs::Program;
 use super::slip;
 use curvlay_examples::args::Failure;
@@ -163,19 +163,13 @@ fn coverage(
     audited: &mut Audited,
 ) -> Result<(), Failure> {
     let Some(mesh) = part else {
-        audited.absent(Check::Uncovered, "nothing to compare with: give the part as --mesh");
-        audited.absent(Check::Outside, "nothing to compare with: give the part as --mesh");
+        [Check::Uncovered, Check::Outside].into_iter().for_each(|check| audited.absent(check, NO_PART));
         return Ok(());
     };
     let step = args.step_mm.unwrap_or(height);
-    let [low, high] = bounds(paths);
-    let [a, b] = mesh.bounds().unwrap_or([low, high]);
-    let mut volume = Volume::new([low.inf(&a), high.sup(&b)], step, args.max_cells)?;
-    volume.fill(mesh);
+    let mut volume = Volume::of(mesh, bounds(paths), step, args.max_cells)?;
     volume::cover(&mut volume, paths, args.bead.slack);
-    audited.about.push(("part_volume_mm3", volume.part_mm3()));
-    audited.about.push(("step_mm", step));
-    audited.set(Check::Uncovered, Verdict::Found(volume.uncovered()));
+    volume.judge(audited);
     let outside = volume::outside(&volume, paths, step);
     let all: f64 = paths.iter().filter(|path| volume::is_of_part(path)).map(length).sum();
     let (amount, share) = (outside.amount, (all > 0.0).then(|| outside.amount / all));

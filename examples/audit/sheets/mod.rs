@@ -15,7 +15,7 @@ mod volume;
 use super::args::Args;
 use super::beads::nozzle;
 use super::figures::{Audited, Check, Found, Laid, Verdict};
-use super::part::Volume;
+use super::part::{NO_PART, Volume};
 use super::slip;
 use curvlay_examples::args::Failure;
 use curvlay_examples::bars::Bars;
@@ -82,7 +82,7 @@ pub fn audit(mut sheets: Sheets, args: &Args, part: Option<&Mesh>, bars: &Bars) 
     let nozzle = nozzle::nozzle(args)?;
     let judged = Judge::new(&stack, &patches, &nozzle, args, height).all(&patches);
     verdicts(&patches, &judged, args, height, &mut audited);
-    coverage(&patches, args, height, part, &mut audited)?;
+    coverage((&patches, part_bounds(&sheets)), args, height, part, &mut audited)?;
     let slab = slabs::nominal(side, height);
     audited.pictures = drawn::pictures(&sheets.sheets, sheets.layers, slab, &audited);
     Ok(audited)
@@ -178,29 +178,22 @@ fn found(regions: Regions, of: f64, note: String) -> Found {
     Found { amount, unit: "mm2", share, note, ..Found::default() }.with_places(regions.places())
 }
 
-/// Against the part.
+/// Against the part; `bounds` are those of the layers.
 fn coverage(
-    patches: &[Patch],
+    (patches, bounds): (&[Patch], [Point3<f64>; 2]),
     args: &Args,
     height: f64,
     part: Option<&Mesh>,
     audited: &mut Audited,
 ) -> Result<(), Failure> {
     let Some(mesh) = part else {
-        audited.absent(Check::Uncovered, "nothing to compare with: give the part as --mesh");
-        audited.absent(Check::Outside, "nothing to compare with: give the part as --mesh");
+        [Check::Uncovered, Check::Outside].into_iter().for_each(|check| audited.absent(check, NO_PART));
         return Ok(());
     };
     let step = args.step_mm.unwrap_or(height);
-    let corners = patches.iter().filter(|patch| !patch.is_support).flat_map(|patch| patch.corners);
-    let bounds = mesh.bounds().unwrap_or([Point3::origin(); 2]);
-    let bounds = corners.fold(bounds, |[low, high], at| [low.inf(&at), high.sup(&at)]);
-    let mut volume = Volume::new(bounds, step, args.max_cells)?;
-    volume.fill(mesh);
+    let mut volume = Volume::of(mesh, bounds, step, args.max_cells)?;
     volume::cover(&mut volume, patches, args.bead.slack * height);
-    audited.about.push(("part_volume_mm3", volume.part_mm3()));
-    audited.about.push(("step_mm", step));
-    audited.set(Check::Uncovered, Verdict::Found(volume.uncovered()));
+    volume.judge(audited);
     let area = |patch: &Patch| volume::is_outside(&volume, patch, step).then_some(patch.area);
     let outside = Regions::of(patches.iter().map(|patch| (patch, area(patch))), true);
     let of_part = patches.iter().filter(|patch| !patch.is_support).map(|patch| patch.area).sum();
