@@ -13,7 +13,6 @@ use curvlay_examples::args::Outcome;
 use curvlay_examples::bars::Bars;
 use curvlay_examples::mesh::read_mesh;
 use example::Args;
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -91,9 +90,7 @@ fn a_hook_is_turned_over_and_written() {
 
     // The page on formats has it all.
     let page = common::format_section("studies.md", "best_orientation") + &common::summary_keys();
-    let words: BTreeSet<&str> = page.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-    let missing: Vec<_> = summary.keys().filter(|key| !words.contains(key.as_str())).collect();
-    assert!(missing.is_empty(), "{missing:?}");
+    common::assert_has_keys(&page, &summary);
     assert!(page.contains(csv.lines().next().unwrap()));
 }
 

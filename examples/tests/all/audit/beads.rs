@@ -56,10 +56,7 @@ fn a_wall_has_no_fault() {
     near("bead_volume_mm3", 120.0 * FEED * std::f64::consts::PI * 0.875 * 0.875);
     assert_eq!(summary["absent"], "shadowed,uncovered,outside");
     // The page on formats has it all.
-    let page = common::formats(Some("audit.md")) + &common::summary_keys();
-    let words: std::collections::BTreeSet<&str> = page.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-    let missing: Vec<_> = summary.keys().filter(|key| !words.contains(key.as_str())).collect();
-    assert!(missing.is_empty(), "{missing:?}");
+    common::assert_has_keys(&(common::formats(Some("audit.md")) + &common::summary_keys()), &summary);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use curvlay_examples::output::OutputFolder;
 use serde_json::{Map, Value};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -27,6 +28,13 @@ pub fn formats(page: Option<&str>) -> String {
 /// Where the keys of summaries of `curved_layers` stand: settings have the page of profiles.
 pub fn summary_keys() -> String {
     formats(Some("summary.md")) + &formats(Some("profiles.md"))
+}
+
+/// Whether the text of a page has each key of a summary as a word.
+pub fn assert_has_keys(page: &str, summary: &Map<String, Value>) {
+    let words: BTreeSet<&str> = page.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let missing: Vec<_> = summary.keys().filter(|key| !words.contains(key.as_str())).collect();
+    assert!(missing.is_empty(), "{missing:?}");
 }
 
 /// What a page on formats says of an example: its section, up to the next one.
