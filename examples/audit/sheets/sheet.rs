@@ -2,11 +2,12 @@
 
 use super::super::args::Args;
 use super::files;
-use curvlay_examples::args::Failure;
+use curvlay_examples::args::{Failure, printable};
 use curvlay_examples::count::counted;
 use curvlay_examples::findings::{Finding, Severity};
-use curvlay_examples::mesh::{Mesh, read_surfaces};
+use curvlay_examples::mesh::{Mesh, Surfaces, read_surfaces};
 use nalgebra::{Point3, Vector3};
+use std::path::Path;
 
 /// A surface of a layer.
 #[derive(Clone, Debug, Default)]
@@ -74,13 +75,13 @@ pub struct Sheets {
 /// A line for a file that cannot be used, and for names without numbers where the order depends on them.
 pub fn read(args: &Args) -> Result<Sheets, Failure> {
     let found = files::of(args)?;
-    let mut named = Vec::new();
-    if let [(path, _)] = &found.files[..] {
-        named.extend(read_surfaces(path)?.into_iter().map(|(name, mesh)| (files::named(&name), mesh)));
-    } else {
-        for (path, name) in &found.files {
-            named.extend(read_surfaces(path)?.into_iter().map(|(_, mesh)| (name.clone(), mesh)));
-        }
+    let (mut named, mut notes) = (Vec::new(), Notes::default());
+    for (path, name) in &found.files {
+        let Surfaces { surfaces, findings } = read_surfaces(path)?;
+        findings.into_iter().for_each(|finding| notes.add(finding, path));
+        // A single file has a layer in each group.
+        let name_of = |group: &str| if found.files.len() == 1 { files::named(group) } else { name.clone() };
+        named.extend(surfaces.into_iter().map(|(group, mesh)| (name_of(&group), mesh)));
     }
     let is_numbered = named.iter().all(|(name, _)| name.number.is_some());
     if !is_numbered && found.files.len() > 1 {
@@ -110,13 +111,41 @@ pub fn read(args: &Args) -> Result<Sheets, Failure> {
     }
     let (files, surfaces) = (counted(found.files.len(), "file"), counted(sheets.len(), "surface"));
     let meant = format!("layer meshes: {}, {surfaces} in {files}", counted(layers, "layer"));
-    let mut notes = Vec::new();
+    let mut notes = notes.findings();
     if !found.passed_over.is_empty() {
         let what = "meshes whose names are not those of layers were passed over";
         let names = found.passed_over.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
         notes.push(Finding::new(Severity::Warning, what, found.passed_over.len().to_string(), names));
     }
     Ok(Sheets { sheets, layers, meant, notes })
+}
+
+/// What was decided as files were read, once for all files.
+#[derive(Default)]
+struct Notes {
+    /// Each with the number of files.
+    found: Vec<(Finding, usize)>,
+}
+
+impl Notes {
+    fn add(&mut self, finding: Finding, path: &Path) {
+        match self.found.iter_mut().find(|(known, _)| known.what == finding.what) {
+            Some((_, files)) => *files += 1,
+            None => {
+                let places = [printable(&path.display().to_string()), finding.place];
+                let place = places.into_iter().filter(|place| !place.is_empty()).collect::<Vec<_>>().join(", ");
+                self.found.push((Finding { place, ..finding }, 1));
+            }
+        }
+    }
+
+    fn findings(self) -> Vec<Finding> {
+        let gathered = |(finding, files): (Finding, usize)| match files {
+            1 => finding,
+            _ => Finding { amount: format!("in {}", counted(files, "file")), ..finding },
+        };
+        self.found.into_iter().map(gathered).collect()
+    }
 }
 
 /// A mesh in millimetres, z up, the plate at z = 0.

@@ -21,5 +21,5 @@ mod write;
 pub use doubts::{UNCERTAIN_SHARE, mesh_findings};
 pub use fault::{LARGE_MM, MeshError, MeshFault, Place};
 pub use placement::{Placement, Unit, Up};
-pub use read::{MeshFile, read_mesh, read_mesh_file, read_surfaces};
+pub use read::{MeshFile, Surfaces, read_mesh, read_mesh_file, read_surfaces};
 pub use triangles::Mesh;

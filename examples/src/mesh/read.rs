@@ -50,29 +50,37 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, MeshError> {
     Ok(read_mesh_file(path)?.mesh)
 }
 
+/// Surfaces of a file.
+#[derive(Clone, Debug)]
+pub struct Surfaces {
+    /// Each that has triangles, with its name: that of the last `g` or `o` before it, or an empty one. Vertices without triangles are left out.
+    pub surfaces: Vec<(String, Mesh)>,
+    /// What the reader decided.
+    pub findings: Vec<Finding>,
+}
+
 /// Reads open surfaces: those of groups and objects of an OBJ file one by one, in the order of the file; of other formats one.
-///
-/// # Returns
-/// Each surface that has triangles, with its name: that of the last `g` or `o` before it, empty where there is none. Vertices without triangles are
-/// left out.
 ///
 /// # Errors
 /// As [`read_mesh_file`].
 ///
 /// # Example
 /// ```
-/// use curvlay_examples::mesh::read_surfaces;
+/// use curvlay_examples::mesh::{Surfaces, read_surfaces};
 /// let path = std::env::temp_dir().join(format!("curvlay-surfaces-{}.obj", std::process::id()));
 /// std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\ng first\nf 1 2 3\ng empty\ng second\nf 3 2 1\n")?;
-/// let surfaces = read_surfaces(&path)?;
+/// let Surfaces { surfaces, findings } = read_surfaces(&path)?;
 /// std::fs::remove_file(&path)?;
 /// let names: Vec<&str> = surfaces.iter().map(|(name, _)| name.as_str()).collect();
 /// assert_eq!((names, surfaces[1].1.vertices.len()), (vec!["first", "second"], 3));
+/// assert!(findings.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read_surfaces(path: &Path) -> Result<Vec<(String, Mesh)>, MeshError> {
+pub fn read_surfaces(path: &Path) -> Result<Surfaces, MeshError> {
     let failed = |fault| MeshError { path: path.to_owned(), fault };
-    let Welder { mesh, groups, .. } = welded(path).map_err(failed)?;
+    let mut welder = welded(path).map_err(failed)?;
+    let groups = std::mem::take(&mut welder.groups);
+    let (mesh, findings) = welder.finish();
     let begins = [(String::new(), 0)].into_iter().chain(groups);
     let ends: Vec<usize> = begins.clone().skip(1).map(|(_, first)| first).chain([mesh.triangles.len()]).collect();
     let surfaces: Vec<(String, Mesh)> = begins
@@ -80,7 +88,7 @@ pub fn read_surfaces(path: &Path) -> Result<Vec<(String, Mesh)>, MeshError> {
         .filter(|((_, first), end)| first < end)
         .map(|((name, first), end)| (name, part_of(&mesh, &mesh.triangles[first..end])))
         .collect();
-    if surfaces.is_empty() { Err(failed(MeshFault::NoTriangles)) } else { Ok(surfaces) }
+    if surfaces.is_empty() { Err(failed(MeshFault::NoTriangles)) } else { Ok(Surfaces { surfaces, findings }) }
 }
 
 /// Some triangles of a mesh, with the vertices that they have.

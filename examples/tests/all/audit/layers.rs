@@ -103,10 +103,7 @@ fn a_stack_of_flat_layers_has_no_fault() {
     }
     assert_eq!(summary["absent"], "shadowed,uncovered,outside");
     // The page on formats has it all.
-    let page = common::formats(Some("audit.md")) + &common::summary_keys();
-    let words: std::collections::BTreeSet<&str> = page.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-    let missing: Vec<_> = summary.keys().filter(|key| !words.contains(key.as_str())).collect();
-    assert!(missing.is_empty(), "{missing:?}");
+    common::assert_has_keys(&(common::formats(Some("audit.md")) + &common::summary_keys()), &summary);
 }
 
 #[test]
@@ -342,6 +339,23 @@ fn slips_and_bad_files_are_findings_or_one_line() {
     let line = input("line.obj", "v 0 0 1\nv 1 0 1\nv 2 0 1\nf 1 2 3\n");
     refused(&[&line, "--layer-height", "1"], 1, "no triangle of the layers has an area");
     refused(&[&path("a.obj"), "--patch", "0.0001", "--max-cells", "1000"], 2, "--patch");
+}
+
+/// Bug: what the reader of meshes had to guess was not reported.
+#[test]
+fn what_the_reader_decides_is_reported() {
+    // A face that crosses itself, and one that names a corner twice.
+    let text = |z: f64, face: &str| format!("v 0 0 {z}\nv 9 0 {z}\nv 9 9 {z}\nv 0 9 {z}\nf 1 2 3 4\nf {face}\n");
+    let [crossed, again] = ["1 3 2 4", "1 1 2"].map(|face| move |z| text(z, face));
+    let files = numbered(&[crossed(0.25), again(0.75), crossed(1.25)]);
+    let place = folder("decided", &files);
+    let (summary, _) = of_folder("decided", &place, &[]);
+    let findings = summary["findings"].as_str().unwrap();
+    let lines = |what: &str| findings.lines().filter(|line| line.contains(what)).collect::<Vec<_>>();
+    let [guessed] = lines("their inside was guessed")[..] else { panic!("{findings}") };
+    assert!(guessed.starts_with("warning: ") && guessed.contains("in 2 files") && guessed.contains("layer_1.obj"));
+    let [left_out] = lines("faces without area were left out")[..] else { panic!("{findings}") };
+    assert!(left_out.contains(": 1 (") && left_out.contains("layer_2.obj"), "{left_out}");
 }
 
 /// Slow twin: the areas of rectangles that lie on nothing, in the air and twice, point by point.
