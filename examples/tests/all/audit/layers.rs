@@ -344,9 +344,10 @@ fn slips_and_bad_files_are_findings_or_one_line() {
 /// Bug: what the reader of meshes had to guess was not reported.
 #[test]
 fn what_the_reader_decides_is_reported() {
-    // A face that crosses itself, and one that names a corner twice.
-    let text = |z: f64, face: &str| format!("v 0 0 {z}\nv 9 0 {z}\nv 9 9 {z}\nv 0 9 {z}\nf 1 2 3 4\nf {face}\n");
-    let [crossed, again] = ["1 3 2 4", "1 1 2"].map(|face| move |z| text(z, face));
+    // A face that crosses itself and has an area, and one that names a corner twice.
+    let text =
+        |z: f64, face: &str| format!("v 0 0 {z}\nv 9 0 {z}\nv 9 9 {z}\nv 0 9 {z}\nv 5 8 {z}\nf 1 2 3 4\nf {face}\n");
+    let [crossed, again] = ["1 3 2 5", "1 1 2"].map(|face| move |z| text(z, face));
     let files = numbered(&[crossed(0.25), again(0.75), crossed(1.25)]);
     let place = folder("decided", &files);
     let (summary, _) = of_folder("decided", &place, &[]);
