@@ -225,7 +225,21 @@ impl Args {
 
     pub fn surface_options(&self) -> SurfaceOptions {
         let max_surfaces = (self.stage == Stage::Preview).then_some(preview::MAX_SURFACES);
-        SurfaceOptions { height_mm: self.height(), max_surfaces, coherent: self.coherent, compare: self.compare }
+        let layers = self.layers.map(|pick| (pick, self.neighbours()));
+        SurfaceOptions {
+            height_mm: self.height(),
+            max_surfaces,
+            coherent: self.coherent,
+            compare: self.compare,
+            layers,
+        }
+    }
+
+    /// How many layers before and after one take part in how it is filled: skins are where one of them is missing. Those of support are one layer thick.
+    fn neighbours(&self) -> usize {
+        let infill = self.settings.infill();
+        let of_part = if infill.is_solid() { 0 } else { infill.skin as usize };
+        of_part.max(usize::from(self.complete.support_density_percent < 100.0))
     }
 
     pub fn path_options(&self, height_mm: f64) -> Result<PathOptions, Failure> {

@@ -9,10 +9,11 @@ use curvlay_toolpath::plan::PrintOptions;
 use curvlay_toolpath::statistics::StatisticsOptions;
 
 /// What a thing takes at the peak of its stage, in bytes, as measured and rounded up (docs/decisions/28-command-line.md): a cell of the part in an order by the
-/// hull rule alone, in one that the nozzle or support completes, and with its share of the surfaces; a cell of the grid without surfaces and
+/// hull rule alone, in one that the nozzle or support completes, in a saved one, and with its share of the surfaces; a cell of the grid without surfaces and
 /// with them; a point of a curve before it is simplified; a waypoint of the machine file, and one of a motion.
 const HULL_CELL: f64 = 50.0;
 const COMPLETE_CELL: f64 = 800.0;
+const SAVED_CELL: f64 = 300.0;
 const SURFACE_CELL: f64 = 3000.0;
 const FIELD_GRID_CELL: f64 = 30.0;
 const SURFACE_GRID_CELL: f64 = 40.0;
@@ -35,6 +36,8 @@ pub enum Made {
     CompleteOrder,
     /// Surfaces: of the layers, or to choose between two orders.
     Surfaces,
+    /// Surfaces of this share of the layers of a saved order, and those near them.
+    SomeSurfaces(f64),
 }
 
 /// Memory in gigabytes that a stage may take.
@@ -61,6 +64,7 @@ impl Memory {
             Made::OrderByHulls => (HULL_CELL, FIELD_GRID_CELL),
             Made::CompleteOrder => (COMPLETE_CELL, FIELD_GRID_CELL),
             Made::Surfaces => (SURFACE_CELL, SURFACE_GRID_CELL),
+            Made::SomeSurfaces(share) => ((SAVED_CELL + share * SURFACE_CELL).min(SURFACE_CELL), SURFACE_GRID_CELL),
         };
         let bytes = of_part * cells as f64 + of_grid * grid;
         let advice = |share: f64| format!("--voxels {:.0} would fit", (cells as f64 * share).floor());

@@ -242,7 +242,7 @@ fn ways_out(run: &FieldRun, args: &Args) -> [&'static str; 3] {
 /// Of the surfaces.
 fn of_surfaces(field: &FieldRun, run: &SurfacesRun, findings: &mut Findings) {
     let (layers, part) = (run.spacing.volume_mm3, field.part_mm3);
-    if (layers / part - 1.0).abs() > NOTABLE_LAYERS {
+    if run.is_whole() && (layers / part - 1.0).abs() > NOTABLE_LAYERS {
         let amount = format!("{} of its volume, {layers:.1} of {part:.1} mm3", percent(layers / part));
         findings.add(
             Warning,

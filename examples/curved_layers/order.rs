@@ -7,7 +7,8 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::ProgressFn;
 use curvlay_layers::curved::surface::{LayerField, SavedField};
 use curvlay_layers::curved::{
-    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, SupportCells, Workpiece, audit_with_nozzle,
+    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, PlannedSurfaces, SupportCells, Workpiece,
+    audit_with_nozzle,
 };
 
 /// How far apart surfaces are, in millimetres: as layers, or farther where no more than so many are made of a growth of this length.
@@ -57,14 +58,23 @@ impl Ordered {
             .map_err(failure)?;
         let cells = SupportCells { cells: &support, contact: &contact };
         let layers = surfaces.map(|surfaces| {
+            let failed = |error| surfaces::failed(error, part);
             let growth_mm = saved.field.highest() * saved.field.layer_cells() * cell_mm;
-            let height_mm = apart_mm(options, surfaces, cell_mm, growth_mm);
-            workpiece.surfaces_and_support(&saved.field, &saved.rows, cells, &missed, height_mm, progress)
+            let asked_mm = apart_mm(options, surfaces, cell_mm, growth_mm);
+            let planned =
+                PlannedSurfaces::new(workpiece, &saved.field, &saved.rows, cells, &missed, asked_mm, progress)
+                    .map_err(failed)?;
+            let range = match surfaces.layers {
+                Some((pick, neighbours)) => {
+                    planned.with_neighbours(pick.layers(planned.len()).map_err(failure)?, neighbours)
+                }
+                None => 0..planned.len(),
+            };
+            Ok::<_, Failure>((planned.make(range, progress).map_err(failed)?, asked_mm))
         });
-        let layers = layers.transpose().map_err(|error| surfaces::failed(error, part))?;
-        let made = layers.map(|(layers, support)| {
+        let made = layers.transpose()?.map(|((layers, support), asked_mm)| {
             let SavedField { field, aids, .. } = saved;
-            Made { layers, support, field, aids, method: "saved".to_owned(), waits: 0 }
+            Made { layers, support, field, aids, method: "saved".to_owned(), waits: 0, asked_mm }
         });
         let (missed_by_hull, strategy) = (missed, "saved");
         let (layers_by, straight_cells, no_support) = (None, 0, None);
@@ -118,10 +128,10 @@ impl Ordered {
                 None => order.final_growth().order.len() as f64,
             };
             let cell_mm = workpiece.cell_mm;
-            let height_mm = Some(apart_mm(options, surfaces, cell_mm, cells * cell_mm));
-            let made = LayerOptions { height_mm, ..*options };
+            let asked_mm = apart_mm(options, surfaces, cell_mm, cells * cell_mm);
+            let made = LayerOptions { height_mm: Some(asked_mm), ..*options };
             let layered = workpiece.layers_of(order, &made, progress).map_err(failed)?;
-            ordered.made = Some(Made::of(layered, options.rule));
+            ordered.made = Some(Made::of(layered, options.rule, asked_mm));
         }
         Ok(ordered)
     }

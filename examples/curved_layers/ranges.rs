@@ -4,8 +4,10 @@
 //! order of the curves and which short ones stay, looks at all layers: it is done when they are put together. So the
 //! result is that of one run, bit for bit.
 //!
-//! The file is text, a JSON value a line: a [`Header`], what was made of each layer (`null` for one without a surface), and an [`End`] with
+//! The file is text, a JSON value a line: a [`Header`], what was made of each layer ([`Layer`]), and an [`End`] with
 //! a checksum of the lines before it. Numbers are written with all digits.
+//!
+//! A piece makes the surfaces near its layers alone. So the header says what all surfaces are made of, and each layer which surface it lies on.
 
 use curvlay_examples::input::{self, InputError};
 use curvlay_examples::output::{OutputError, OutputFolder};
@@ -24,7 +26,7 @@ use std::path::{Path, PathBuf};
 pub const FILE: &str = "paths.jsonl";
 
 /// What the first line says that the file is.
-const FORMAT: &str = "curvlay paths 3";
+const FORMAT: &str = "curvlay paths 4";
 
 /// Layers that are picked, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +63,14 @@ pub fn pick(text: &str) -> Result<Pick, String> {
 }
 
 impl Pick {
+    /// About which share of the layers it is; all, where that depends on how many there are.
+    pub fn share(self) -> f64 {
+        match self {
+            Pick::From { .. } => 1.0,
+            Pick::Piece { of, .. } => 1.0 / of as f64,
+        }
+    }
+
     /// The layers, from 0, out of so many.
     pub fn layers(self, count: usize) -> Result<Range<usize>, RangeError> {
         match self {
@@ -90,10 +100,15 @@ pub enum RangeError {
     #[error("{}: this file has no paths of a range of layers: --merge wants the paths.jsonl of runs with --layers", .path.display())]
     Format { path: PathBuf },
     #[error(
-        "{}: the paths are on other surfaces: make them with the same mesh, --resume file, --layer-height and program",
+        "{}: the paths are on other surfaces: make them with the same mesh, --resume file and --layer-height",
         .path.display()
     )]
     OtherSurfaces { path: PathBuf },
+    #[error(
+        "{}: layer {layer} is on another surface than this run makes of the same field: make all pieces anew with this version of the program",
+        .path.display()
+    )]
+    OtherSurface { path: PathBuf, layer: usize },
     #[error(
         "{}: the paths were made with other options: --bead, --pattern, --min-gap, --join-distance, --min-length, --min-width, \
          --density, --support-density and what goes with them must be the same in all runs",
@@ -130,14 +145,23 @@ pub struct LayerFill {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Header {
     format: String,
-    /// Stamp of all surfaces, hexadecimal.
-    surfaces: String,
+    /// Stamp of what all surfaces are made of, hexadecimal.
+    made_of: String,
     /// How they were filled.
     fill: LayerFill,
     /// How many surfaces there are, and the first and the last that follow, counted from 1.
     count: usize,
     first: usize,
     last: usize,
+}
+
+/// What was made of a layer.
+#[derive(Serialize, Deserialize)]
+struct Layer<T> {
+    /// Stamp of its surface, hexadecimal.
+    surface: String,
+    /// `null` without a surface.
+    filled: T,
 }
 
 /// The last line of a file.
@@ -159,26 +183,28 @@ fn mix_bytes(hash: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(hash, |hash, &byte| mix(hash, u64::from(byte)))
 }
 
-/// A number that differs for other surfaces: the FNV-1a hash of the stamps of all of them and the bits of their thickness.
-fn stamp(surfaces: &[LayerSurface]) -> String {
-    let of = |hash: u64, surface: &LayerSurface| {
-        let hash = mix(hash, mesh_stamp(surface.vertices, surface.triangles));
-        surface.thickness.iter().fold(hash, |hash, thickness| mix(hash, thickness.to_bits()))
-    };
-    format!("{:016x}", surfaces.iter().fold(FNV_START, of))
+/// A number in the file.
+fn hexadecimal(stamp: u64) -> String {
+    format!("{stamp:016x}")
 }
 
-/// Writes what was made of a range of layers.
+/// A number that differs for another surface: the FNV-1a hash of its stamp and the bits of its thickness.
+fn stamp(surface: &LayerSurface) -> String {
+    let hash = mix(FNV_START, mesh_stamp(surface.vertices, surface.triangles));
+    hexadecimal(surface.thickness.iter().fold(hash, |hash, thickness| mix(hash, thickness.to_bits())))
+}
+
+/// Writes what was made of a range of layers. `made_of` identifies what all surfaces are made of.
 pub fn write(
     surfaces: &[LayerSurface],
+    made_of: u64,
     fill: &LayerFill,
     range: Range<usize>,
     layers: &[Option<FilledLayer>],
     folder: &OutputFolder,
 ) -> Result<(), OutputError> {
-    let (surfaces, count) = (stamp(surfaces), surfaces.len());
-    let header =
-        Header { format: FORMAT.to_owned(), surfaces, fill: *fill, count, first: range.start + 1, last: range.end };
+    let (format, made_of, count) = (FORMAT.to_owned(), hexadecimal(made_of), surfaces.len());
+    let header = Header { format, made_of, fill: *fill, count, first: range.start + 1, last: range.end };
     folder.write_with(FILE, |out| {
         let mut hash = FNV_START;
         let mut line = |mut text: Vec<u8>| {
@@ -187,8 +213,10 @@ pub fn write(
             out.write_all(&text)
         };
         line(serde_json::to_vec(&header)?)?;
-        layers.iter().try_for_each(|layer| line(serde_json::to_vec(layer)?))?;
-        serde_json::to_writer(&mut *out, &End { checksum: format!("{hash:016x}") })?;
+        for (surface, filled) in surfaces[range].iter().zip(layers) {
+            line(serde_json::to_vec(&Layer { surface: stamp(surface), filled })?)?;
+        }
+        serde_json::to_writer(&mut *out, &End { checksum: hexadecimal(hash) })?;
         writeln!(out)
     })
 }
@@ -205,16 +233,17 @@ pub fn check(files: &[PathBuf]) -> Result<(), RangeError> {
 pub fn read(
     files: &[PathBuf],
     surfaces: &[LayerSurface],
+    made_of: u64,
     fill: &LayerFill,
 ) -> Result<Vec<Option<FilledLayer>>, RangeError> {
-    let (stamp, count) = (stamp(surfaces), surfaces.len());
+    let (made_of, count) = (hexadecimal(made_of), surfaces.len());
     let mut layers: Vec<Option<FilledLayer>> = vec![None; count];
     let mut owner: Vec<Option<usize>> = vec![None; count];
     for (number, path) in files.iter().enumerate() {
         let mut lines = Lines::open(path)?;
         let header = lines.header()?;
         let path = path.clone();
-        if header.surfaces != stamp || header.count != count {
+        if header.made_of != made_of || header.count != count {
             return Err(RangeError::OtherSurfaces { path });
         }
         if header.fill != *fill {
@@ -229,7 +258,10 @@ pub fn read(
             return Err(RangeError::Overlap { layers: [at + 1, last + 1], paths: [files[other].clone(), path] });
         }
         for at in range {
-            let layer: Option<FilledLayer> = lines.next()?;
+            let Layer { surface, filled: layer }: Layer<Option<FilledLayer>> = lines.next()?;
+            if surface != stamp(&surfaces[at]) {
+                return Err(RangeError::OtherSurface { path, layer: at + 1 });
+            }
             fits(layer.as_ref(), &surfaces[at]).map_err(|why| lines.fault(format!("layer {}: {why}", at + 1)))?;
             layers[at] = layer;
             owner[at] = Some(number);
@@ -327,7 +359,7 @@ impl Lines {
     fn end(&mut self) -> Result<(), RangeError> {
         let hash = self.hash;
         let end: End = self.next()?;
-        if end.checksum != format!("{hash:016x}") {
+        if end.checksum != hexadecimal(hash) {
             return Err(self.fault("the lines before were changed, their checksum is another: make the file again"));
         }
         self.text.clear();

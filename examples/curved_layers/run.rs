@@ -174,7 +174,7 @@ impl Job<'_> {
         let fill = args.fill(options, surfaces);
         let layers = paths::range(&fill, surfaces, range.clone(), bars)?;
         bars.finish();
-        ranges::write(&surfaces.surfaces(), &fill, range.clone(), &layers, self.folder)?;
+        ranges::write(&surfaces.surfaces(), surfaces.made_of(), &fill, range.clone(), &layers, self.folder)?;
         outputs::write_range(self, &results, range, &layers)?;
         Ok(results.findings.outcome())
     }
@@ -200,7 +200,7 @@ impl Job<'_> {
                 let fill = args.fill(options, surfaces);
                 let filled = match &args.merge[..] {
                     [] => Vec::new(),
-                    files => ranges::read(files, &surfaces.surfaces(), &fill).map_err(failure)?,
+                    files => ranges::read(files, &surfaces.surfaces(), surfaces.made_of(), &fill).map_err(failure)?,
                 };
                 let thinnest_mm = || {
                     let Mesh { vertices, triangles } = &self.part.mesh;

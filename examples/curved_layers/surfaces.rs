@@ -1,6 +1,7 @@
 //! Stage `surfaces`: the order re-timed into uniform layers, contoured at a layer height, trimmed to the mesh.
 
 use crate::args::failure;
+use crate::ranges::Pick;
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_examples::input::{self, InputError};
@@ -32,6 +33,8 @@ pub struct SurfaceOptions {
     pub coherent: bool,
     /// Makes the surfaces of hop counts as well, to compare with.
     pub compare: bool,
+    /// Of a saved field makes the surfaces of these layers alone, with so many whole layers before and after them. None for all.
+    pub layers: Option<(Pick, usize)>,
 }
 
 /// Surfaces and the field that they belong to.
@@ -44,17 +47,20 @@ pub struct Made {
     pub method: String,
     /// Pairs of neighbours whose layers lie far apart, since one had to wait.
     pub waits: usize,
+    /// The layer height that was asked for.
+    pub asked_mm: f64,
 }
 
 impl Made {
     /// Of the layers of an order.
-    pub fn of(layered: LayeredPart, rule: NozzleRule) -> Self {
+    pub fn of(layered: LayeredPart, rule: NozzleRule, asked_mm: f64) -> Self {
         let LayeredPart { growth, uniform, surfaces: layers, support, .. } = layered;
         let mut aids = PrintAids { rule, nozzle: growth.nozzle, ..PrintAids::default() };
         if let Some(PartSupport { cells, gap, contact, .. }) = &support {
             (aids.support, aids.gap, aids.contact) = (cells.clone(), gap.clone(), contact.clone());
         }
-        Made { layers, support, method: method_name(uniform.method), field: uniform.field, aids, waits: uniform.jumps }
+        let (method, waits) = (method_name(uniform.method), uniform.jumps);
+        Made { layers, support, method, field: uniform.field, aids, waits, asked_mm }
     }
 }
 
@@ -69,6 +75,8 @@ pub struct SurfacesRun {
     pub saved: SavedField,
     pub method: String,
     pub waits: usize,
+    /// The layer height that was asked for.
+    asked_mm: f64,
     /// Spacing for the field of hop counts, to compare with.
     pub plain_spacing: Option<Spacing>,
     pub times: Times,
@@ -116,6 +124,11 @@ impl SurfacesRun {
     /// Those of the support.
     pub fn of_support(&self) -> Vec<LayerSurface<'_>> {
         self.support.iter().flat_map(|support| support.surfaces.iter()).map(LayerSurface::from).collect()
+    }
+
+    /// A number that identifies what all surfaces are made of, whether they were made or not.
+    pub fn made_of(&self) -> u64 {
+        self.saved.surfaces_stamp(self.asked_mm)
     }
 
     /// How the nozzle is known to get to the places of cells that were judged by it.
@@ -173,7 +186,7 @@ pub fn resolution(saved: &SavedField, part: &Part, has_mould: bool) -> Resolutio
 /// What stands beside the surfaces: the field to save, times, and what to compare with.
 pub fn finish(
     options: &SurfaceOptions,
-    Made { layers, support, field, aids, method, waits }: Made,
+    Made { layers, support, field, aids, method, waits, asked_mm }: Made,
     workpiece: &Workpiece,
     growth: &Growth,
     part: &Part,
@@ -202,7 +215,7 @@ pub fn finish(
     };
     let printed = support.as_ref().map_or(Vec::new(), |support| support.printed_with(&layers));
     let times = Times { even, contour, trim, spacing };
-    Ok(SurfacesRun { layers, support, printed, saved, method, waits, plain_spacing, times })
+    Ok(SurfacesRun { layers, support, printed, saved, method, waits, asked_mm, plain_spacing, times })
 }
 
 /// Why there are no surfaces, in one line.

@@ -13,7 +13,7 @@ const LARGE: usize = 1 << 14;
 
 /// By this share of the size of all, a line may pass a box and still come through it: where it runs along a side, rounding
 /// would decide.
-const ROOM: f64 = 1e-9;
+pub(crate) const ROOM: f64 = 1e-9;
 
 /// A box: its least and greatest corner.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,14 @@ impl Bounds {
     }
 
     /// Whether a line comes through the box, made larger by `room`, between two places on it.
-    fn is_passed(&self, line: &Line, [from, to]: [f64; 2], room: f64) -> bool {
+    fn is_passed(&self, line: &Line, between: [f64; 2], room: f64) -> bool {
+        let [enter, leave] = self.passage(line, between, room);
+        enter <= leave
+    }
+
+    /// Between which places a line is in the box, made larger by `room`, of those between two; the first is beyond the second if it does not come through. A box that
+    /// is in another one, with no more room, has its places between those of that one: rounding does not change that.
+    pub(crate) fn passage(&self, line: &Line, [from, to]: [f64; 2], room: f64) -> [f64; 2] {
         let (mut enter, mut leave) = (from, to);
         for k in 0..3 {
             let sides = [self.low[k] - room, self.high[k] + room];
@@ -47,7 +54,12 @@ impl Bounds {
             enter = if near > enter { near } else { enter };
             leave = if far < leave { far } else { leave };
         }
-        enter <= leave
+        [enter, leave]
+    }
+
+    /// The longest of its sides.
+    pub(crate) fn size(&self) -> f64 {
+        (self.high - self.low).max()
     }
 
     fn distance_sq(&self, p: &Point3<f64>) -> f64 {
@@ -57,12 +69,19 @@ impl Bounds {
 }
 
 /// A line that boxes are looked up along.
-struct Line {
+pub(crate) struct Line {
     start: Point3<f64>,
     /// One over its direction.
     inverse: Vector3<f64>,
     /// Along which axes it runs back: it enters boxes at their greatest corner there.
     is_back: [bool; 3],
+}
+
+impl Line {
+    pub(crate) fn new(start: &Point3<f64>, direction: &Vector3<f64>) -> Line {
+        let inverse = direction.map(|d| 1.0 / d);
+        Line { start: *start, inverse, is_back: [0, 1, 2].map(|k| inverse[k] < 0.0) }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -133,9 +152,8 @@ impl Tree {
         mut reach: [f64; 2],
         mut take: impl FnMut(usize, &mut [f64; 2]),
     ) {
-        let inverse = direction.map(|d| 1.0 / d);
-        let line = Line { start: *start, inverse, is_back: [0, 1, 2].map(|k| inverse[k] < 0.0) };
-        let size = self.nodes.first().map_or(0.0, |root| (root.bounds.high - root.bounds.low).max());
+        let line = Line::new(start, direction);
+        let size = self.nodes.first().map_or(0.0, |root| root.bounds.size());
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             if node.bounds.is_passed(&line, [-reach[0], reach[1]], ROOM * size) {

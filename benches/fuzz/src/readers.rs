@@ -149,10 +149,13 @@ fn order(data: &[u8]) {
     }
 }
 
+/// What the surfaces are made of, as the seed says: nothing in particular.
+pub const MADE_OF: u64 = 1;
+
 /// Paths of two triangles, as the seed has them.
 fn paths(data: &[u8]) {
     let files = [file("input.jsonl", data)];
     let _ = ranges::check(&files);
     let (surfaces, fill) = crate::geometry::small_layers();
-    let _ = ranges::read(&files, &surfaces, &fill);
+    let _ = ranges::read(&files, &surfaces, MADE_OF, &fill);
 }

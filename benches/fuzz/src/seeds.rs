@@ -1,7 +1,7 @@
 //! Seeds that only our writers make: `CURVLAY_FUZZ=seeds` writes them into the folder `CURVLAY_FUZZ_SEEDS`.
 
 use crate::geometry::small_layers;
-use crate::readers::ranges;
+use crate::readers::{MADE_OF, ranges};
 use curvlay_examples::output::OutputFolder;
 use curvlay_toolpath::fill::fill_range;
 use curvlay_toolpath::gcode::flavour::Flavour;
@@ -14,7 +14,7 @@ pub fn write() -> Result<(), Box<dyn Error>> {
     let (surfaces, fill) = small_layers();
     let layers = fill_range(&surfaces, 0..surfaces.len(), &fill.part, &|_| ControlFlow::Continue(()))?;
     let paths = OutputFolder::create(&folder.join("paths"))?;
-    ranges::write(&surfaces, &fill, 0..surfaces.len(), &layers, &paths)?;
+    ranges::write(&surfaces, MADE_OF, &fill, 0..surfaces.len(), &layers, &paths)?;
     let flavours = folder.join("flavour");
     std::fs::create_dir_all(&flavours)?;
     for name in Flavour::names() {

@@ -62,6 +62,7 @@ fn made(options: &FieldOptions, surfaces: Option<&SurfaceOptions>, is_saved: boo
     let LayerOptions { nozzle, support, strategy, .. } = options.layers;
     match (surfaces, is_saved, strategy) {
         (None, true, _) => estimate::Made::CompleteOrder,
+        (Some(SurfaceOptions { layers: Some((pick, _)), .. }), true, _) => estimate::Made::SomeSurfaces(pick.share()),
         (None, false, Some(_)) if nozzle == NozzleUse::Off && support.is_none() => estimate::Made::OrderByHulls,
         (None, false, Some(_)) => estimate::Made::CompleteOrder,
         // The best strategy makes surfaces to choose, where cells are missed.

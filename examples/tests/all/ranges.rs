@@ -64,6 +64,10 @@ fn ranges_of_layers_put_together_are_one_run() {
         let summary = common::summary(&place.join(name));
         assert_eq!((&summary["layers_first"], &summary["stage_done"]), (&Value::from(next), &"paths".into()));
         next = summary["layers_last"].as_u64().unwrap() + 1;
+        // Its own surfaces and those near it.
+        let triangles = |figures: &serde_json::Map<String, Value>| figures["surface_triangles"].as_u64().unwrap();
+        assert!(triangles(&summary) < triangles(&figures) && triangles(&summary) > 0);
+        assert_eq!(summary["surfaces"], figures["surfaces"]);
         let page = common::summary_keys();
         summary.keys().for_each(|key| assert!(page.contains(&format!("`{key}`")), "{key}"));
     }
@@ -112,7 +116,7 @@ fn ranges_of_layers_put_together_are_one_run() {
 }
 
 /// A file of paths, changed: a digit of a width, which the checksum sees; with its checksum put right, a triangle that is not there and
-/// weights of no point; lines behind its end; cut short, in a line and after one. With what is said about each.
+/// weights of no point, and another stamp of a surface; lines behind its end; cut short, in a line and after one. With what is said about each.
 fn damaged(text: &str) -> Vec<(String, &'static str)> {
     let (body, _) = text.trim_end().rsplit_once('\n').unwrap();
     let sealed = |body: String| {
@@ -128,7 +132,10 @@ fn damaged(text: &str) -> Vec<(String, &'static str)> {
     let weights = body.find("\"barycentric\":[").unwrap() + "\"barycentric\":[".len();
     let weight = body[weights..].find(',').unwrap();
     let heavy = format!("{}7.5{}", &body[..weights], &body[weights + weight..]);
+    let stamp = body.find("\"surface\":\"").unwrap() + "\"surface\":\"".len();
+    let other_surface = format!("{}{}{}", &body[..stamp], "0123456789abcdef", &body[stamp + 16..]);
     let changed = vec![
+        (sealed(other_surface), "layer 1 is on another surface"),
         (text.replacen("\"width\":", "\"width\":1", 1), "checksum is another"),
         (sealed(elsewhere), "triangle 4000000000 of "),
         (sealed(heavy), "weights [7.5, "),

@@ -57,6 +57,7 @@ pub use part::layer_surfaces::{LayerBoundary, LayerSurfaces};
 pub use part::layered::LayeredPart;
 pub use part::options::{LayerOptions, LayersBy, NozzleUse};
 pub use part::order::PartOrder;
+pub use part::planned::PlannedSurfaces;
 pub use part::support::{PartSupport, PrintedSheet, SupportCells};
 pub use part::workpiece::Workpiece;
 pub use quality::{LayerQuality, SMALL_PATCH, layer_quality};

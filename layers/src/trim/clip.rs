@@ -5,9 +5,10 @@
 //! 1. Triangles of both that pass through each other are found exactly, and those of the later surface are cut along the segments
 //!    that they share (`crossing`, `pieces`), as trimming cuts them along the mesh.
 //! 2. A piece beside such a cut on the back of the earlier surface lies below it. So does what hangs together with it
-//!    and has an earlier surface ahead, within [`REACH`] layer heights along its normal. Both are left out.
+//!    and has an earlier surface ahead, within [`CLIP_REACH`] layer heights along its normal. Both are left out.
 //!
-//! Surfaces are clipped in their order, each to what is left of those before. The border that a cut makes is the surface's own
+//! Surfaces are clipped in their order, each to what is left of those before that it meets; of all others only what lies ahead matters. So a few of many surfaces can be
+//! clipped without the rest ([`Trimmer::clip_met`]). The border that a cut makes is the surface's own
 //! ([`BoundaryKind::Border`]).
 
 use super::Trimmer;
@@ -27,10 +28,35 @@ use crate::parallel::in_parallel_watched;
 use crate::{Progress, ProgressFn};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// How far ahead an earlier surface counts, in layer heights. Surfaces were found up to 0.7 layer heights too deep; from 2 on other
 /// branches of the part come within reach.
-const REACH: f64 = 1.5;
+pub(crate) const CLIP_REACH: f64 = 1.5;
+
+/// By the numbers of sheets the triangles of earlier ones that they pass through, by sheet and triangle, rising.
+pub(crate) type Met = BTreeMap<usize, Vec<[u32; 2]>>;
+
+/// What some sheets meet of earlier ones.
+pub(crate) fn earlier_met(all: &AllTriangles, sheets: &[usize], progress: ProgressFn) -> Result<Met, TrimError> {
+    let earlier = |k: usize, _: ProgressFn| {
+        let sheet = sheets[k];
+        let mut met: Vec<[u32; 2]> = Vec::new();
+        for triangle in 0..all.count(sheet) {
+            let corners = all.corners([sheet as u32, triangle]);
+            all.near(corners, |place| {
+                if (place[0] as usize) < sheet && meet(corners, all.corners(place)).is_some() {
+                    met.push(place);
+                }
+            });
+        }
+        met.sort_unstable();
+        met.dedup();
+        (sheet, met)
+    };
+    let met = in_parallel_watched(sheets.len(), "clip", progress, earlier).ok_or(TrimError::Cancelled)?;
+    Ok(met.into_iter().collect())
+}
 
 /// What came of clipping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,30 +88,54 @@ impl Trimmer {
     /// be cut stays as it is: its crossings are among those left.
     ///
     /// # Cost
-    /// That of [`count_crossings`](super::count_crossings), and, if there are any, some microseconds for each triangle of a sheet with
-    /// crossings. The same on any number of threads.
+    /// About that of [`count_crossings`](super::count_crossings), and some microseconds for each triangle of a sheet that passes through an
+    /// earlier one. The same on any number of threads.
     pub fn clip(
         &self,
         sheets: &mut [TrimmedSheet],
         height_mm: f64,
         progress: ProgressFn,
     ) -> Result<Clipped, TrimError> {
+        let numbers: Vec<usize> = (0..sheets.len()).collect();
         let surfaces = slices(sheets);
         let all = AllTriangles::checked(&surfaces)?;
-        let before = all.crossings(progress)?;
-        let found = counted(&before);
-        if found.crossing == 0 {
-            return Ok(Clipped { found, left: found, ..Clipped::default() });
+        let met = earlier_met(&all, &numbers, progress)?;
+        let (changed, clipped) = self.clip_met(sheets, &all, &met, 0..sheets.len(), height_mm, progress)?;
+        changed.into_iter().for_each(|(sheet, left)| sheets[sheet] = left);
+        Ok(clipped)
+    }
+
+    /// What is left of the sheets that lose something, of those that `met` tells of, and what came of clipping in a range of the sheets. In `met` are also all that these meet,
+    /// and those that they meet, and so on, and all that meet one of the range.
+    pub(crate) fn clip_met(
+        &self,
+        sheets: &[TrimmedSheet],
+        all: &AllTriangles,
+        met: &Met,
+        range: Range<usize>,
+        height_mm: f64,
+        progress: ProgressFn,
+    ) -> Result<(BTreeMap<usize, TrimmedSheet>, Clipped), TrimError> {
+        // Where an edge passes through a triangle, two triangles pass through each other.
+        let mut is_met = vec![false; sheets.len()];
+        for (&sheet, met) in met.iter().filter(|(_, met)| !met.is_empty()) {
+            is_met[sheet] = true;
+            met.iter().for_each(|place| is_met[place[0] as usize] = true);
         }
-        let changed = self.clipped(sheets, &all, height_mm, progress)?;
-        let left = counted(&all.crossings_with(&changed, &before, progress)?);
+        let is_counted = |sheet: usize| range.contains(&sheet);
+        let before = all.crossings(is_counted, |sheet| is_met[sheet], progress)?;
+        let found = counted(&before);
+        if !is_met.contains(&true) {
+            return Ok((BTreeMap::new(), Clipped { found, left: found, ..Clipped::default() }));
+        }
+        let changed = self.clipped(sheets, all, met, height_mm, progress)?;
+        let left = counted(&all.crossings_with(&changed, &before, is_counted, progress)?);
         let mut clipped = Clipped { found, left, ..Clipped::default() };
-        for (sheet, of_sheet) in changed {
+        for (&sheet, of_sheet) in changed.range(range) {
             clipped.surfaces += 1;
             clipped.area_mm2 += sheets[sheet].area() - of_sheet.area();
-            sheets[sheet] = of_sheet;
         }
-        Ok(clipped)
+        Ok((changed, clipped))
     }
 
     /// The sheets that lose something.
@@ -93,34 +143,19 @@ impl Trimmer {
         &self,
         sheets: &[TrimmedSheet],
         all: &AllTriangles,
+        met: &Met,
         height_mm: f64,
         progress: ProgressFn,
     ) -> Result<BTreeMap<usize, TrimmedSheet>, TrimError> {
-        // For each sheet the triangles of earlier ones that it passes through.
-        let earlier = |sheet: usize, _: ProgressFn| {
-            let mut met: Vec<[u32; 2]> = Vec::new();
-            for triangle in 0..sheets[sheet].triangles.len() as u32 {
-                let corners = all.corners([sheet as u32, triangle]);
-                all.near(corners, |place| {
-                    if (place[0] as usize) < sheet && meet(corners, all.corners(place)).is_some() {
-                        met.push(place);
-                    }
-                });
-            }
-            met.sort_unstable();
-            met.dedup();
-            met
-        };
-        let met = in_parallel_watched(sheets.len(), "clip", progress, earlier).ok_or(TrimError::Cancelled)?;
         let mut clipped: BTreeMap<usize, TrimmedSheet> = BTreeMap::new();
-        for (sheet, met) in met.iter().enumerate().filter(|(_, met)| !met.is_empty()) {
+        for (&sheet, met) in met.iter().filter(|(_, met)| !met.is_empty()) {
             let report = Progress { stage: "clip", done: sheet as u64, total: sheets.len() as u64 };
             if progress(report).is_break() {
                 return Err(TrimError::Cancelled);
             }
             // In order of the sheets: what an earlier one has lost is no wall for later ones.
             let wall = Wall::new(met, all, &clipped);
-            let below = Below { all, own: sheet as u32, reach: REACH * height_mm };
+            let below = Below { all, own: sheet as u32, reach: CLIP_REACH * height_mm };
             if let Some(left) = self.clip_one(&sheets[sheet], &wall, &below)? {
                 clipped.insert(sheet, left);
             }

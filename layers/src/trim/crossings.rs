@@ -55,10 +55,11 @@ pub struct SurfaceCrossings {
 /// # Ok::<(), curvlay_layers::trim::TrimError>(())
 /// ```
 pub fn count_crossings(surfaces: &[SurfaceSlices], progress: ProgressFn) -> Result<SurfaceCrossings, TrimError> {
-    Ok(counted(&AllTriangles::checked(surfaces)?.crossings(progress)?))
+    Ok(counted(&AllTriangles::checked(surfaces)?.crossings(|_| true, |_| true, progress)?))
 }
 
-/// The edges of a surface.
+/// The edges of a surface; none of one that is not counted.
+#[derive(Default)]
 pub(super) struct SurfaceEdges {
     count: usize,
     /// Those that pass through a triangle of another surface.
@@ -74,7 +75,7 @@ pub(super) fn counted(surfaces: &[SurfaceEdges]) -> SurfaceCrossings {
 }
 
 /// The triangles of all surfaces in one tree.
-pub(super) struct AllTriangles<'a> {
+pub(crate) struct AllTriangles<'a> {
     surfaces: &'a [SurfaceSlices<'a>],
     /// Surface and triangle, by the numbers that the tree has.
     places: Vec<[u32; 2]>,
@@ -85,7 +86,7 @@ pub(super) struct AllTriangles<'a> {
 
 impl<'a> AllTriangles<'a> {
     /// Of all triangles.
-    pub(super) fn checked(surfaces: &'a [SurfaceSlices<'a>]) -> Result<Self, TrimError> {
+    pub(crate) fn checked(surfaces: &'a [SurfaceSlices<'a>]) -> Result<Self, TrimError> {
         surfaces.iter().try_for_each(|(points, triangles)| check(Input::Sheet, points, triangles))?;
         AllTriangles::of(surfaces, |_| true)
     }
@@ -115,6 +116,11 @@ impl<'a> AllTriangles<'a> {
         triangles[triangle as usize].map(|corner| &points[corner as usize])
     }
 
+    /// Triangles of a surface.
+    pub(super) fn count(&self, surface: usize) -> u32 {
+        self.surfaces[surface].1.len() as u32
+    }
+
     /// Hands over surface and triangle of all whose box meets that of the points.
     pub(super) fn near<'p>(&self, points: impl IntoIterator<Item = &'p Point3<f64>>, mut take: impl FnMut([u32; 2])) {
         self.tree.meeting(&Bounds::of(points), |at| take(self.places[at as usize]));
@@ -132,9 +138,21 @@ impl<'a> AllTriangles<'a> {
         self.tree.along(from, way, [0.0, reach], |place, _| take(self.places[order[place] as usize]));
     }
 
-    /// The edges of each surface. By edges, not by triangles, so that each counts once.
-    pub(super) fn crossings(&self, progress: ProgressFn) -> Result<Vec<SurfaceEdges>, TrimError> {
+    /// The edges of each surface that is counted; those of a surface that may not cross another cross none. By edges, not by triangles, so that each
+    /// counts once.
+    pub(super) fn crossings(
+        &self,
+        is_counted: impl Fn(usize) -> bool + Send + Sync,
+        may_cross: impl Fn(usize) -> bool + Send + Sync,
+        progress: ProgressFn,
+    ) -> Result<Vec<SurfaceEdges>, TrimError> {
         let of_surface = |surface: usize, _: ProgressFn| {
+            if !is_counted(surface) {
+                return SurfaceEdges::default();
+            }
+            if !may_cross(surface) {
+                return SurfaceEdges { count: self.borders[surface].edges, crossing: Vec::new() };
+            }
             let (points, triangles) = self.surfaces[surface];
             let edges = Edges::new(triangles).ends;
             let crosses =
@@ -150,6 +168,7 @@ impl<'a> AllTriangles<'a> {
         &self,
         changed: &BTreeMap<usize, TrimmedSheet>,
         before: &[SurfaceEdges],
+        is_counted: impl Fn(usize) -> bool + Send + Sync,
         progress: ProgressFn,
     ) -> Result<Vec<SurfaceEdges>, TrimError> {
         changed.values().try_for_each(|sheet| check(Input::Sheet, &sheet.vertices, &sheet.triangles))?;
@@ -157,6 +176,9 @@ impl<'a> AllTriangles<'a> {
         let surfaces: Vec<SurfaceSlices> = self.surfaces.iter().enumerate().map(surface).collect();
         let new = AllTriangles::of(&surfaces, |surface| changed.contains_key(&surface))?;
         let of_surface = |surface: usize, _: ProgressFn| {
+            if !is_counted(surface) {
+                return SurfaceEdges::default();
+            }
             let (points, triangles) = surfaces[surface];
             let edge = |ends: &[u32; 2]| ends.map(|end| &points[end as usize]);
             let stays = |other: u32| !changed.contains_key(&(other as usize));
@@ -221,6 +243,8 @@ impl<'a> AllTriangles<'a> {
 struct Border {
     vertices: Vec<bool>,
     sides: Vec<[bool; 3]>,
+    /// Edges of the surface, those inside as well.
+    edges: usize,
 }
 
 impl Border {
@@ -232,7 +256,8 @@ impl Border {
         for (ends, _) in edges.ends.iter().zip(&runs).filter(|(_, runs)| **runs == 1) {
             ends.iter().for_each(|&end| vertices[end as usize] = true);
         }
-        Border { vertices, sides: edges.sides.iter().map(|sides| sides.map(|edge| runs[edge as usize] == 1)).collect() }
+        let sides = edges.sides.iter().map(|sides| sides.map(|edge| runs[edge as usize] == 1)).collect();
+        Border { vertices, sides, edges: edges.ends.len() }
     }
 }
 
@@ -278,8 +303,8 @@ mod tests {
             let others: BTreeMap<usize, TrimmedSheet> = others.into_iter().filter(|(k, _)| *k < sheets.len()).collect();
             let surfaces = slices(&sheets);
             let all = AllTriangles::checked(&surfaces).unwrap();
-            let before = all.crossings(&silent).unwrap();
-            let found = counted(&all.crossings_with(&others, &before, &silent).unwrap());
+            let before = all.crossings(|_| true, |_| true, &silent).unwrap();
+            let found = counted(&all.crossings_with(&others, &before, |_| true, &silent).unwrap());
             others.into_iter().for_each(|(k, other)| sheets[k] = other);
             prop_assert_eq!(found, count_crossings(&slices(&sheets), &silent).unwrap());
         }
@@ -298,10 +323,10 @@ mod tests {
         let sheets = [triangle([[0.0, 0.0, -1.0], [1.0, 0.0, 3.0], [0.0, 1.0, 3.0]]), level(0.0), level(1.0)];
         let surfaces = slices(&sheets);
         let all = AllTriangles::checked(&surfaces).unwrap();
-        let before = all.crossings(&silent).unwrap();
+        let before = all.crossings(|_| true, |_| true, &silent).unwrap();
         let left_without = |gone: &[usize]| {
             let changed = gone.iter().map(|&sheet| (sheet, TrimmedSheet::default())).collect();
-            let found = counted(&all.crossings_with(&changed, &before, &silent).unwrap());
+            let found = counted(&all.crossings_with(&changed, &before, |_| true, &silent).unwrap());
             [found.edges, found.crossing]
         };
         // The two upright edges of the first triangle.

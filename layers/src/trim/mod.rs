@@ -43,6 +43,8 @@ use super::Progress;
 use crate::ProgressFn;
 use crate::parallel::in_parallel;
 pub use clip::Clipped;
+pub(crate) use clip::{CLIP_REACH, Met, earlier_met};
+pub(crate) use crossings::AllTriangles;
 pub use crossings::{SurfaceCrossings, count_crossings};
 pub(crate) use error::check;
 pub use error::{Input, MAX_COORDINATE, TrimError};
@@ -51,6 +53,7 @@ use nalgebra::{Point3, Vector3};
 use pieces::Pieces;
 use sheet::Sheet;
 pub use slices::SurfaceSlices;
+pub(crate) use slivers::MOVED;
 use solid::{InsideRule, Solid};
 use surface::Surface;
 pub use triangle::MIN_ALTITUDE_MM;
@@ -182,6 +185,11 @@ impl Trimmer {
         Trimmer { min_edge_mm, ..self }
     }
 
+    /// The length below which edges of the boundary are put together; 0 if none are.
+    pub(crate) fn min_edge_mm(&self) -> f64 {
+        if self.min_edge_mm > 0.0 && self.min_edge_mm.is_finite() { self.min_edge_mm } else { 0.0 }
+    }
+
     /// Whether the mesh has holes: an edge along which triangles do not run as often one way as the other.
     pub fn is_holed(&self) -> bool {
         self.solid.holes.is_some()
@@ -257,8 +265,8 @@ impl Trimmer {
             _ => BoundaryKind::Mesh,
         };
         let mut surface = Surface::of(&pieces, &keep, |_, _| BoundaryKind::Border, lost);
-        if self.min_edge_mm > 0.0 && self.min_edge_mm.is_finite() {
-            slivers::thin_boundary(&mut surface, &self.solid, self.min_edge_mm);
+        if self.min_edge_mm() > 0.0 {
+            slivers::thin_boundary(&mut surface, &self.solid, self.min_edge_mm());
         }
         slivers::remove_slivers(&mut surface, &self.solid);
         Ok(surface.finish(&self.solid))

@@ -27,6 +27,9 @@ const SHORT_MM: f64 = 2.0 * MIN_ALTITUDE_MM;
 /// facets, more rounds off what a bead can still show.
 const THIN: f64 = 0.02;
 
+/// How far a corner may move where edges of the boundary are put together, in lengths of these. One edge after the other would lead any distance away.
+pub(crate) const MOVED: f64 = 2.0;
+
 /// Altitude of a triangle without height, as a share of its longest side: far above what rounding makes of 0, far below what a
 /// computation on the surface can use.
 const FLAT: f64 = 1e-9;
@@ -36,7 +39,7 @@ const ROUNDS: usize = 8;
 
 /// Takes slivers out where that can be done.
 pub(super) fn remove_slivers(surface: &mut Surface, solid: &Solid) {
-    let mut cleaner = Cleaner { surface, solid, on_mesh_mm: ON_MESH_MM, fans: Default::default() };
+    let mut cleaner = Cleaner { surface, solid, on_mesh_mm: ON_MESH_MM, moved: None, fans: Default::default() };
     for _ in 0..ROUNDS {
         let is_sliver = |triangle: &usize| altitude(&cleaner.surface.corners(*triangle)) < MIN_ALTITUDE_MM;
         let slivers: Vec<_> = cleaner.surface.present().filter(is_sliver).collect();
@@ -53,12 +56,13 @@ pub(super) fn remove_slivers(surface: &mut Surface, solid: &Solid) {
 }
 
 /// Puts edges of the boundary on the mesh together that are shorter than a length, where the boundary then keeps within
-/// a share of it, [`THIN`], to the mesh.
+/// a share of it, [`THIN`], to the mesh. No corner moves by more than [`MOVED`] times that length.
 ///
 /// A mesh of very many narrow facets gives each of them an edge, which costs time wherever the boundary is looked at and says
 /// nothing that a bead could show.
 pub(super) fn thin_boundary(surface: &mut Surface, solid: &Solid, length_mm: f64) {
-    let mut cleaner = Cleaner { surface, solid, on_mesh_mm: THIN * length_mm, fans: Default::default() };
+    let moved = Some(Moved { so_far: vec![0.0; surface.points.len()], most_mm: MOVED * length_mm });
+    let mut cleaner = Cleaner { surface, solid, on_mesh_mm: THIN * length_mm, moved, fans: Default::default() };
     for half in 0..3 * cleaner.surface.triangles.len() as u32 {
         let is_on_mesh = cleaner.surface.across(half) == Across::End(BoundaryKind::Mesh);
         if is_on_mesh && !cleaner.surface.gone[half as usize / 3] && cleaner.length(half) < length_mm {
@@ -72,7 +76,23 @@ struct Cleaner<'a> {
     solid: &'a Solid,
     /// How far from the mesh a boundary may come to lie, mm.
     on_mesh_mm: f64,
+    /// How far corners have moved, if that is bounded.
+    moved: Option<Moved>,
     fans: [Vec<u32>; 2],
+}
+
+/// How far the corners of triangles have moved from vertex to vertex.
+struct Moved {
+    /// For each vertex the longest way of a corner that has come there, mm.
+    so_far: Vec<f64>,
+    most_mm: f64,
+}
+
+impl Moved {
+    /// How far corners at a vertex will have moved when they go on to another one; `None` if that is too far.
+    fn onward(&self, lost: u32, way_mm: f64) -> Option<f64> {
+        Some(self.so_far[lost as usize] + way_mm).filter(|&moved| moved <= self.most_mm)
+    }
 }
 
 impl Cleaner<'_> {
@@ -152,6 +172,12 @@ impl Cleaner<'_> {
             if first_kind != last_kind || (mesh && !self.on_mesh(&nalgebra::center(end, &goal))) {
                 return false;
             }
+        }
+        if let Some(moved) = &mut self.moved {
+            let way_mm = (goal - surface.points[loser as usize]).norm();
+            let Some(onward) = moved.onward(loser, way_mm) else { return false };
+            let so_far = &mut moved.so_far[keeper as usize];
+            *so_far = so_far.max(onward);
         }
         for &half in lost_fan {
             self.surface.triangles[half as usize / 3][half as usize % 3] = keeper;

@@ -21,6 +21,7 @@ mod orient;
 mod planar;
 mod plates;
 mod quality;
+mod ranges;
 mod robofdm;
 mod serde;
 mod smooth_border;

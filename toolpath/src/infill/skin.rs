@@ -7,6 +7,9 @@
 //!
 //! Vertices on a rim count as their neighbours inside do: rims of layers that lie on each other never match exactly.
 //!
+//! A column meets a triangle in the triangle's own box alone: of one without height rounding would make a place far away, and whether that is found would depend on what else is
+//! in the tree. So what is covered depends on nothing but the layers that are asked for.
+//!
 //! Departs from exact: coverage is sampled at vertices, and the growth goes along edges of the mesh, by up to a sixth less than asked for.
 
 use super::site::Site;
@@ -30,6 +33,9 @@ pub(super) const GROWTH: f64 = 1.0;
 
 /// A column this near to the edge of a triangle, as a share of the triangle, meets it: edges are no cracks.
 const EDGE: f64 = 1e-9;
+
+/// How far outside the box of a triangle its place on a column may come to lie by rounding, as a share of one and the coordinates; boxes of the tree have far more room.
+const ROUNDING: f64 = 1e-13;
 
 /// Where layers are in the part.
 #[derive(Default)]
@@ -144,11 +150,21 @@ impl Walk for Column<'_> {
 
     fn see(&mut self, triangle: &Triangle) -> bool {
         let new = self.layers.binary_search(&triangle.layer).is_ok() && !self.crossed.contains(&triangle.layer);
-        if new && meets(&triangle.corners, self.from, self.way).is_some() {
+        let place = || meets(&triangle.corners, self.from, self.way).map(|share| self.from + self.way * share);
+        if new && place().is_some_and(|place| is_in_box(&triangle.corners, place)) {
             self.crossed.push(triangle.layer);
         }
         self.crossed.len() == self.layers.len()
     }
+}
+
+/// Whether a place is in the box of a triangle.
+fn is_in_box([a, b, c]: &[Point3<f64>; 3], place: Point3<f64>) -> bool {
+    let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
+    (0..3).all(|k| {
+        let room = ROUNDING * (1.0 + place[k].abs());
+        (low[k] - room..=high[k] + room).contains(&place[k])
+    })
 }
 
 /// The share of a straight way after which it meets a triangle; none if it does not.

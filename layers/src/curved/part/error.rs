@@ -39,6 +39,14 @@ pub enum LayersError {
         /// What was given.
         volume_mm3: f64,
     },
+    /// Surfaces that are not there were asked for.
+    #[error("surfaces {}..{} of {surfaces}", range[0], range[1])]
+    Range {
+        /// The first of them, from 0, and the one after the last.
+        range: [usize; 2],
+        /// Surfaces that there are.
+        surfaces: usize,
+    },
     /// The callback stopped the work.
     #[error("cancelled")]
     Cancelled,

@@ -4,6 +4,7 @@ use super::best::pieces;
 use crate::curved::surface::Spacing;
 use crate::trim::{Clipped, SurfaceSlices, TrimmedSheet, slices};
 use nalgebra::Point3;
+use std::ops::Range;
 
 /// A layer counts as evenly thick where a bead is this many times as thick as the layer height, from and to: what
 /// extrusion can make up for.
@@ -15,8 +16,10 @@ pub struct LayerSurfaces {
     /// Distance of the surfaces along the growth, in millimetres: the layer height asked for, stretched so that layers fit
     /// ([`ExtendedField::fitted_levels`](crate::curved::surface::ExtendedField::fitted_levels)).
     pub height_mm: f64,
-    /// The surfaces, trimmed to the mesh; some may be empty.
+    /// The surfaces, trimmed to the mesh; some may be empty, and those that were not made are.
     pub sheets: Vec<TrimmedSheet>,
+    /// Which of them were made: all, unless a range [of the planned ones](crate::curved::PlannedSurfaces::make) was asked for. Figures are of these alone.
+    pub made: Range<usize>,
     /// For each of them whether it is a half layer ([`LayerField::with_half_layers`](crate::curved::surface::LayerField::with_half_layers)).
     pub is_half: Vec<bool>,
     /// Height of each of them along the growth, in millimetres.
@@ -57,6 +60,11 @@ impl LayerSurfaces {
         slices(&self.sheets)
     }
 
+    /// Whether all of them were made.
+    pub fn is_whole(&self) -> bool {
+        self.made == (0..self.sheets.len())
+    }
+
     /// Points, triangles and thickness of each surface, first to last, and whether it is a half layer: all that planning its tool paths takes.
     pub fn iter(&self) -> impl Iterator<Item = SurfaceParts<'_>> {
         let each = self.sheets.iter().zip(&self.thickness_mm).zip(&self.is_half);
@@ -83,6 +91,7 @@ impl LayerSurfaces {
     /// let mut surfaces = LayerSurfaces {
     ///     height_mm: 0.4,
     ///     sheets: vec![sheet],
+    ///     made: 0..1,
     ///     is_half: vec![false],
     ///     heights_mm: vec![0.2],
     ///     thickness_mm: vec![vec![0.5, 0.1]],

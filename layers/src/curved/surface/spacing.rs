@@ -21,10 +21,11 @@ use crate::ProgressFn;
 use crate::parallel::in_parallel_watched;
 use crate::trim::{SurfaceSlices, Trimmer};
 use nalgebra::{Point3, Vector3};
+use std::ops::Range;
 
 /// How far a neighbour may be, in layer heights. Spacing of hop counts goes up to twice its mean where a front
 /// sweeps round a corner; a ray that goes farther has left the part, and finds another branch of it.
-const REACH: f64 = 3.0;
+pub(crate) const SPACING_REACH: f64 = 3.0;
 
 /// How far apart surfaces are at most, in layer heights, where a layer is missing between them: with a slope of one on
 /// both sides of a wait each goes half a layer towards the other, however long the wait. More is a gap of the part.
@@ -157,7 +158,7 @@ pub fn measure_spacing(
     height_mm: f64,
     progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
-    measure(surfaces, None, height_mm, progress)
+    measure(surfaces, 0..surfaces.len(), None, height_mm, progress)
 }
 
 /// The same for surfaces within a solid, to which they are trimmed: the first and the last layer go as far as its skin.
@@ -197,11 +198,23 @@ pub fn measure_spacing_within(
     height_mm: f64,
     progress: ProgressFn,
 ) -> Result<Spacing, SpacingError> {
-    measure(surfaces, Some(solid), height_mm, progress)
+    measure(surfaces, 0..surfaces.len(), Some(solid), height_mm, progress)
+}
+
+/// The same for a range of the surfaces; others need to be there only as far as they are near these.
+pub(crate) fn measure_spacing_in(
+    surfaces: &[SurfaceSlices],
+    range: Range<usize>,
+    solid: &Trimmer,
+    height_mm: f64,
+    progress: ProgressFn,
+) -> Result<Spacing, SpacingError> {
+    measure(surfaces, range, Some(solid), height_mm, progress)
 }
 
 fn measure(
     surfaces: &[SurfaceSlices],
+    range: Range<usize>,
     solid: Option<&Trimmer>,
     height_mm: f64,
     progress: ProgressFn,
@@ -221,6 +234,9 @@ fn measure(
     }
     let tree = Tree::new(surfaces);
     let of_surface = |surface: usize, _: ProgressFn| -> Vec<Found> {
+        if !range.contains(&surface) {
+            return Vec::new();
+        }
         let (points, triangles) = surfaces[surface];
         let has = [surface > 0, surface + 1 < surfaces.len()];
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
@@ -255,7 +271,7 @@ impl Around<'_> {
         let mut sides = [0, 1].map(|side| (short.neighbours[side], short.nearest[side]));
         let searched = [0, 1].map(|side| missing[side] && has[side]);
         if searched != [false; 2] {
-            let reach = searched.map(|searched| if searched { REACH * height_mm } else { 0.0 });
+            let reach = searched.map(|searched| if searched { SPACING_REACH * height_mm } else { 0.0 });
             let long = tree.cast(middle, &normal, surface, reach, 0.0);
             for side in (0..2).filter(|&side| searched[side]) {
                 sides[side] = (long.neighbours[side], long.nearest[side]);

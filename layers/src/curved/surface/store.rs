@@ -56,7 +56,7 @@ pub struct SavedField {
     pub cell_mm: f64,
     /// Low corner of the grid in millimetres.
     pub origin: Point3<f64>,
-    /// The [stamp](mesh_stamp) of the mesh that the cells were made of.
+    /// The [stamp](super::mesh_stamp) of the mesh that the cells were made of.
     pub mesh: u64,
     /// What the order needs beyond the hull rule.
     pub aids: PrintAids,
@@ -178,27 +178,6 @@ pub enum OtherCells {
     },
 }
 
-/// A number that identifies a mesh: any change of a coordinate, a triangle or their order changes it (64-bit FNV-1a;
-/// G. Fowler, L. C. Noll, K.-P. Vo). Not made to withstand forgers.
-///
-/// # Example
-/// ```
-/// use curvlay_layers::{curved::surface::mesh_stamp, nalgebra::Point3};
-/// let mut points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
-/// let before = mesh_stamp(&points, &[[0, 1, 2]]);
-/// points[2].y = 1.0 + f64::EPSILON;
-/// assert_ne!(before, mesh_stamp(&points, &[[0, 1, 2]]));
-/// ```
-pub fn mesh_stamp(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> u64 {
-    const START: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0000_0100_0000_01b3;
-    let add =
-        |stamp: u64, bits: u64| bits.to_le_bytes().iter().fold(stamp, |s, &b| (s ^ u64::from(b)).wrapping_mul(PRIME));
-    let stamp = add(START, points.len() as u64);
-    let stamp = points.iter().flat_map(|p| p.iter()).fold(stamp, |stamp, c| add(stamp, c.to_bits()));
-    triangles.iter().flatten().fold(stamp, |stamp, &v| add(stamp, u64::from(v)))
-}
-
 impl SavedField {
     /// Cells of the grid, empty ones included, that [`SavedField::read`] allows: a gigabyte of values. A part of ten million cells
     /// in a grid of a tenth of that fill is just within.
@@ -224,7 +203,7 @@ impl SavedField {
         Ok(Growth { order: self.field.rounded(), missed, statistics: GrowthStatistics::default(), nozzle })
     }
 
-    /// Whether the field was made for the mesh with this [stamp](mesh_stamp).
+    /// Whether the field was made for the mesh with this [stamp](super::mesh_stamp).
     ///
     /// # Errors
     /// [`OtherMesh`] if not.

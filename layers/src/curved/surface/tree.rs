@@ -1,6 +1,6 @@
 //! The triangles of many surfaces in a tree, for short lines across them.
 
-use crate::boxes::{self, Bounds};
+use crate::boxes::{self, Bounds, Line, ROOM};
 use crate::trim::SurfaceSlices;
 use nalgebra::{Point3, Vector3};
 
@@ -66,14 +66,21 @@ impl Tree {
     /// Follows a line both ways from `start`, a point of the surface `own`, and looks against it for surfaces before and along
     /// it for surfaces after, where their normals go along the line: no farther than `reach`, nor than the neighbour
     /// there; and for any other surface within `near`. `normal` is the way of the line, one long.
+    ///
+    /// A triangle is met in its own box alone: of one without height rounding would make a place far away, and whether that is found would depend on what else is in the
+    /// tree. So hits depend on nothing but the triangles near the line.
     pub(super) fn cast(&self, start: Point3<f64>, normal: &Vector3<f64>, own: u32, reach: [f64; 2], near: f64) -> Hits {
         let mut hits = Hits::default();
+        let line = Line::new(&start, normal);
         self.boxes.along(&start, normal, reach.map(|reach| reach.max(near)), |place, left| {
             let triangle = &self.triangles[place];
             if triangle.surface == own {
                 return;
             }
-            let Some(along) = triangle.place_along(&start, normal) else { return };
+            let Some(along) = triangle.place_along(&start, normal).filter(|along| triangle.is_met(&line, *along))
+            else {
+                return;
+            };
             let distance = along.abs();
             hits.near |= distance < near;
             let side = usize::from(triangle.surface > own);
@@ -96,6 +103,13 @@ impl Tree {
 impl Triangle {
     fn corners(&self) -> [Point3<f64>; 3] {
         [self.corner, self.corner + self.sides[0], self.corner + self.sides[1]]
+    }
+
+    /// Whether a place on a line is in its box.
+    fn is_met(&self, line: &Line, along: f64) -> bool {
+        let bounds = Bounds::of(&self.corners());
+        let [enter, leave] = bounds.passage(line, [f64::NEG_INFINITY, f64::INFINITY], ROOM * bounds.size());
+        (enter..=leave).contains(&along)
     }
 
     /// Where on the line the triangle is met (Moller and Trumbore 1997); less than 0 before its start.

@@ -133,7 +133,7 @@ proptest! {
             for rows in [part.rows.clone(), rows] {
                 let aids = PrintAids { support: support.clone(), gap: gap.clone(), contact: contact.clone(), rule, nozzle: Vec::clone(&nozzle) };
                 let saved = SavedField { field: field.clone(), rows, cell_mm, origin, mesh: mesh_stamp(&[origin], &[[0, 0, u32::MAX]]), aids };
-                let _ = (saved.cells().map(|cells| cells.count()), saved.growth(), saved.check_mesh(cut as u64), saved.check_cells(&cells, origin));
+                let _ = (saved.cells().map(|cells| cells.count()), saved.growth(), saved.check_mesh(cut as u64), saved.surfaces_stamp(value), saved.check_cells(&cells, origin));
                 let mut written = Vec::new();
                 if saved.write(&mut written).is_ok() {
                     texts.push(written[..cut.min(written.len())].to_vec());
@@ -215,7 +215,7 @@ proptest! {
             }
             let Ok(layered) = work.layers(&options, &go) else { continue };
             let surfaces = &layered.surfaces;
-            let _ = (surfaces.slices().len(), surfaces.iter().count(), surfaces.pieces(), surfaces.thickness_share(), surfaces.lost_mm3(value));
+            let _ = (surfaces.slices().len(), surfaces.is_whole(), surfaces.iter().count(), surfaces.pieces(), surfaces.thickness_share(), surfaces.lost_mm3(value));
             if let Some(support) = &layered.support {
                 let _ = support.printed_with(surfaces);
             }
@@ -227,6 +227,12 @@ proptest! {
                 let support = SupportCells { cells: &lists.support, contact: &missed };
                 for rows in [&part.rows, &vec![31; 12], &vec![1; 2]] {
                     let _ = work.surfaces_and_support(&field, rows, support, &missed, height, &go);
+                    let Ok(planned) = PlannedSurfaces::new(&work, &field, rows, support, &missed, height, &go) else { continue };
+                    prop_assert_eq!(planned.is_empty(), planned.len() == 0);
+                    for range in [0..by, by..planned.len(), by..by + 1, usize::MAX - by..usize::MAX, usize::MAX..by] {
+                        let wide = planned.with_neighbours(range.clone(), by);
+                        let _ = [range, wide].map(|range| planned.make(range, &go).map(|(surfaces, _)| surfaces.is_whole()));
+                    }
                 }
             }
         }

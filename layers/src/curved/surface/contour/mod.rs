@@ -22,12 +22,15 @@
 //!
 //! Departs from the paper: the level's distance, not the cell's, gives the spacing.
 
+mod crossings;
 mod cube;
 mod qef;
 
 use super::extend::ExtendedField;
 use crate::ProgressFn;
 use crate::parallel::in_parallel_watched;
+pub(super) use crossings::{Crossing, around, each_crossing, node_of};
+use crossings::{REACHED, place_of};
 use cube::{Crossed, LOW_CORNER, Pieces, SLOTS, after};
 use nalgebra::{Point3, Vector3};
 use qef::Qef;
@@ -37,10 +40,6 @@ use std::collections::BTreeMap;
 /// then, which keeps triangles from having no height; a larger margin would move surfaces that lie in the planes of
 /// the nodes.
 const MARGIN: f64 = 0.005;
-
-/// A node counts as having reached a level if it lacks no more than this, in layers: rounding alone does not decide
-/// on which side of it the nodes of a plane lie.
-const REACHED: f64 = 1e-6;
 
 /// A surface whose slope across the ending axes is less than this, squared, runs along the cut and cannot be led up to it.
 const LEVEL: f64 = 1e-4;
@@ -241,53 +240,24 @@ pub fn contour_with(
     placement: VertexPlacement,
     progress: ProgressFn,
 ) -> Result<Vec<Surface>, ContourError> {
+    contour_where(field, levels, |_| true, cell_mm, origin, placement, progress)
+}
+
+/// [`contour_with`] of the crossings that count: what the surfaces have around these.
+pub(super) fn contour_where(
+    field: &ExtendedField,
+    levels: &[f64],
+    counts: impl Fn(Crossing) -> bool,
+    cell_mm: f64,
+    origin: Point3<f64>,
+    placement: VertexPlacement,
+    progress: ProgressFn,
+) -> Result<Vec<Surface>, ContourError> {
     check_cell(cell_mm, origin)?;
-    let crossings = crossings(field, levels);
+    let crossings = crossings::crossings(field, levels, counts);
     let low = origin - Vector3::repeat((f64::from(super::lattice::ROOM) - 0.5) * cell_mm);
     let one = |k: usize, _: ProgressFn| Contour::new(field, levels[k], placement).run(&crossings[k], cell_mm, low);
     in_parallel_watched(levels.len(), "contour", progress, one).ok_or(ContourError::Cancelled)
-}
-
-/// A place where a surface crosses the lattice: twice [`place_of`] an edge, and 1 more for the half at the upper end
-/// of one that is cut.
-type Crossing = usize;
-
-/// `4 * node + axis`.
-fn place_of(node: usize, axis: usize) -> usize {
-    4 * node + axis
-}
-
-/// For each level its crossings, rising.
-fn crossings(field: &ExtendedField, levels: &[f64]) -> Vec<Vec<Crossing>> {
-    let lattice = &field.lattice;
-    // Levels by value: those that an edge crosses follow each other, and one pass over the edges serves all levels.
-    let mut rising: Vec<(f64, usize)> = levels.iter().copied().zip(0..).filter(|(level, _)| !level.is_nan()).collect();
-    rising.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut crossings = vec![Vec::new(); levels.len()];
-    let mut add = |from: f64, to: f64, crossing: Crossing| {
-        let [a, b] = [from, to].map(|v| v + REACHED);
-        let first = rising.partition_point(|&(level, _)| level <= a.min(b));
-        for &(_, of) in rising[first..].iter().take_while(|&&(level, _)| level <= a.max(b)) {
-            crossings[of].push(crossing);
-        }
-    };
-    let strides = lattice.strides();
-    for (node, &joined) in lattice.joined.iter().enumerate() {
-        if lattice.values[node].is_nan() {
-            continue;
-        }
-        for (axis, stride) in strides.into_iter().enumerate() {
-            let Some(&high) = lattice.values.get(node + stride) else { continue };
-            let crossing = 2 * place_of(node, axis);
-            if joined >> axis & 1 == 1 {
-                add(lattice.values[node], high, crossing);
-            } else if let Some([from_low, from_high]) = lattice.half_way(node, axis) {
-                add(lattice.values[node], from_low, crossing);
-                add(from_high, high, crossing + 1);
-            }
-        }
-    }
-    crossings
 }
 
 /// A surface in the making.
@@ -328,11 +298,7 @@ impl<'a> Contour<'a> {
 
     fn run(mut self, crossings: &[Crossing], cell_mm: f64, low: Point3<f64>) -> Surface {
         let strides = self.strides;
-        let around = |crossing: Crossing| {
-            let (node, axis) = (crossing / 8, crossing / 2 % 4);
-            let [b, c] = after(axis).map(|axis| strides[axis]);
-            [node, node - b, node - c, node - b - c]
-        };
+        let around = |crossing: Crossing| around(crossing, strides);
         let mut nodes: Vec<usize> = crossings.iter().flat_map(|&crossing| around(crossing)).collect();
         // Cubes by number, so that each is made once, and points come in the same order each time.
         nodes.sort_unstable();
