@@ -7,7 +7,6 @@
 use crate::cells::{cell_of, least_side, with_neighbours};
 use crate::orientation::Waypoint;
 use nalgebra::{Point3, Vector3};
-use std::collections::HashMap;
 
 /// A bead across.
 #[derive(Clone, Copy, Debug)]
@@ -58,33 +57,51 @@ pub(crate) fn nearest_share([a, b]: &[Section; 2], at: Point3<f64>) -> f64 {
     if squared > 0.0 { (at - a.middle).dot(&way) / squared } else { 0.0 }
 }
 
-/// Pieces of beads, by number, in the cells of a grid that they pass through.
+/// Both ends of the centre line of a piece of a bead.
+pub(crate) fn middles([a, b]: &[Section; 2]) -> [Point3<f64>; 2] {
+    [a.middle, b.middle]
+}
+
+/// Pieces of beads, by number, in the cells of a grid that their centre lines pass through.
+///
+/// A cell has no place of its own: the pieces of all cells with the same hash stand together, the last ones first.
 pub(crate) struct BeadGrid {
-    cells: HashMap<[i64; 3], Vec<u32>>,
+    /// Where the pieces of each hash begin, and where the last ones end.
+    firsts: Vec<usize>,
+    numbers: Vec<u32>,
     side: f64,
 }
 
 impl BeadGrid {
     /// # Arguments
+    /// * `lines`: the ends of the centre lines of all pieces.
     /// * `reach`: how far a place may be from the centre line of a piece that is found.
-    pub fn new<'a>(pieces: impl Iterator<Item = &'a [Section; 2]> + Clone, reach: f64) -> Self {
-        let lengths = pieces.clone().map(|[a, b]| (b.middle - a.middle).norm());
+    pub fn new(lines: impl Iterator<Item = [Point3<f64>; 2]> + Clone, reach: f64) -> Self {
+        let lengths = lines.clone().map(|[a, b]| (b - a).norm());
         let (count, length) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
         let reach = reach.max(least_side(length, count));
         // Samples of a piece are a quarter of the reach from what they stand for, so a cell and its neighbours have all within reach.
         let side = 1.25 * reach;
-        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-        for (number, [a, b]) in (0..).zip(pieces) {
-            let steps = ((b.middle - a.middle).norm() / (0.5 * reach)).ceil().max(1.0) as usize;
-            for k in 0..=steps {
-                let at = a.middle + (b.middle - a.middle) * (k as f64 / steps as f64);
-                let here = cells.entry(cell_of(at, side)).or_default();
-                if here.last() != Some(&number) {
-                    here.push(number);
-                }
+        let cells = |line: &[Point3<f64>; 2]| passed(*line, 0.5 * reach, side);
+        let entries: usize = lines.clone().map(|line| cells(&line).count()).sum();
+        let hashes = entries.max(1).next_power_of_two();
+        // How many pieces each hash has, then where they end, and, once all are in place, where they begin.
+        let mut firsts = vec![0; hashes + 1];
+        lines.clone().for_each(|line| cells(&line).for_each(|cell| firsts[hash(cell, hashes)] += 1));
+        let mut sum = 0;
+        for first in &mut firsts {
+            sum += *first;
+            *first = sum;
+        }
+        let mut numbers = vec![0; entries];
+        for (number, line) in (0..).zip(lines) {
+            for cell in cells(&line) {
+                let place = &mut firsts[hash(cell, hashes)];
+                *place -= 1;
+                numbers[*place] = number;
             }
         }
-        BeadGrid { cells, side }
+        BeadGrid { firsts, numbers, side }
     }
 
     /// The pieces within reach of a place, and some others; some more than once.
@@ -99,6 +116,67 @@ impl BeadGrid {
 
     /// The same for all places of a cell.
     pub fn in_and_around(&self, cell: [i64; 3]) -> impl Iterator<Item = u32> {
-        with_neighbours(cell).filter_map(|cell| self.cells.get(&cell)).flatten().copied()
+        let pieces = |cell| {
+            let hash = hash(cell, self.firsts.len() - 1);
+            &self.numbers[self.firsts[hash]..self.firsts[hash + 1]]
+        };
+        with_neighbours(cell).flat_map(pieces).copied()
+    }
+}
+
+/// The cells that samples of a line, at most `step` apart, lie in; one that comes twice in a row is handed out once.
+fn passed([a, b]: [Point3<f64>; 2], step: f64, side: f64) -> impl Iterator<Item = [i64; 3]> {
+    let steps = ((b - a).norm() / step).ceil().max(1.0);
+    let cell = move |k: usize| cell_of(a + (b - a) * (k as f64 / steps), side);
+    (0..=steps as usize)
+        .map(cell)
+        .scan(None, |last, cell| Some((last.replace(cell) != Some(cell)).then_some(cell)))
+        .flatten()
+}
+
+/// The hash of a cell, below `hashes`, a power of two.
+fn hash([x, y, z]: [i64; 3], hashes: usize) -> usize {
+    // The golden ratio as a share of 2^64: products with it are spread out evenly.
+    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+    let mixed = [x, y, z].iter().fold(0_u64, |mixed, &k| (mixed.rotate_left(21) ^ k as u64).wrapping_mul(GOLDEN));
+    (mixed >> 32) as usize & (hashes - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// All pieces whose centre line is within reach of a place are found there, against a look at each of them.
+        #[test]
+        fn all_pieces_within_reach_are_found(
+            lines in prop::collection::vec(prop::array::uniform2(prop::array::uniform3(-5.0_f64..5.0)), 0..40),
+            places in prop::collection::vec(prop::array::uniform3(-6.0_f64..6.0), 1..20),
+            reach in 0.05_f64..3.0,
+        ) {
+            let lines: Vec<[Point3<f64>; 2]> = lines.into_iter().map(|line| line.map(Point3::from)).collect();
+            let grid = BeadGrid::new(lines.iter().copied(), reach);
+            for at in places.into_iter().map(Point3::from) {
+                let found: Vec<u32> = grid.around(at).collect();
+                for (number, [a, b]) in (0..).zip(&lines) {
+                    let way = b - a;
+                    let share = ((at - a).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                    if (at - (a + way * share)).norm() <= reach {
+                        prop_assert!(found.contains(&number), "{number} of {found:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_far_away_are_not_found() {
+        let line = |k: u32| [0.0, 0.5].map(|x| Point3::new(f64::from(k) + x, 0.0, 0.0));
+        let grid = BeadGrid::new((0..1000).map(line), 0.4);
+        // A place sees its own cell and those beside it, and by each hash less than one other on average.
+        let found = grid.around(Point3::new(500.0, 0.0, 0.0)).filter(|number| !(498..=502).contains(number)).count();
+        assert!(found < 60, "{found}");
+        assert!(grid.around(Point3::new(500.0, 0.0, 0.0)).any(|number| number == 500));
     }
 }

@@ -337,6 +337,9 @@ impl DepositionOptions {
     }
 }
 
+/// Moves from path to path where no way is given: filament is drawn back, two hops, down to the path, and it is primed.
+const BETWEEN: usize = 5;
+
 /// The volume of a bead between two waypoints.
 fn volume(from: &Waypoint, to: &Waypoint) -> f64 {
     let section =
@@ -556,7 +559,11 @@ fn planned(
         }
     }
     // All input is sound from here on.
-    let plan = Deposition { of_path: vec![0.0; paths.len()], ..Deposition::default() };
+    // A move to each waypoint and pose, and between paths what draws back and primes.
+    let poses = ways.unwrap_or_default().iter().map(Vec::len).sum::<usize>();
+    let waypoints = paths.iter().map(|path| path.waypoints.len()).sum::<usize>();
+    let moves = Vec::with_capacity(waypoints + poses + BETWEEN * paths.len());
+    let plan = Deposition { of_path: vec![0.0; paths.len()], moves, ..Deposition::default() };
     let mut planner = Planner { options, plan, at: None };
     for (path, waypoints) in paths.iter().map(|path| &path.waypoints).enumerate() {
         planner.travel(paths, path, ways.map(|ways| &ways[path][..]));

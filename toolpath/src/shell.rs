@@ -10,7 +10,7 @@
 //! layer, and half of all points less than a twentieth. What leans has steps.
 
 use crate::ProgressFn;
-use crate::beads::{BeadGrid, Section, nearest_share};
+use crate::beads::{BeadGrid, Section, middles, nearest_share};
 use crate::orientation::{ToolPath, Waypoint};
 use crate::parallel;
 use nalgebra::{Point3, Vector3};
@@ -147,7 +147,7 @@ pub fn shell_gap(
     }
     let size = pieces.iter().flatten().map(|section| section.core + section.rim).fold(0.0, f64::max);
     let min_rim = pieces.iter().flatten().map(|section| section.rim).fold(f64::INFINITY, f64::min);
-    let grid = BeadGrid::new(pieces.iter(), options.bare_mm + size);
+    let grid = BeadGrid::new(pieces.iter().map(middles), options.bare_mm + size);
     let beads = Beads { grid, pieces: &pieces, bare_mm: options.bare_mm, min_rim };
     let step = (2.0 * area / options.points as f64).sqrt();
     let chunks: Vec<&[[Point3<f64>; 3]]> = triangles.chunks(CHUNK).collect();

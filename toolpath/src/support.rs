@@ -23,11 +23,10 @@
 //! Segments stand in a grid of cells about as wide as the greatest distance, so time is near linear in the length of the paths.
 
 use crate::ProgressFn;
-use crate::beads::{BeadGrid, Section, nearest_share};
+use crate::beads::{BeadGrid, Section, middles, nearest_share};
 use crate::layer::{Mould, MouldError, MouldSurface};
 use crate::orientation::{ToolPath, Waypoint};
 use crate::parallel;
-use crate::path::BeadKind;
 use nalgebra::{Point3, Vector3};
 
 /// Coordinates and sizes beyond this, in millimetres, are refused: numbers of cells stay exact.
@@ -209,8 +208,8 @@ pub enum SupportError {
     Cancelled,
 }
 
-/// Checks whether beads lie on something. Sparse infill ([`BeadKind::is_sparse`]) and what goes over it ([`BeadKind::is_bridge`]) lies on something
-/// here and there only, and is not judged.
+/// Checks whether beads lie on something. Sparse infill ([`BeadKind::is_sparse`](crate::path::BeadKind::is_sparse)) and what goes over it
+/// ([`BeadKind::is_bridge`](crate::path::BeadKind::is_bridge)) lies on something here and there only, and is not judged.
 ///
 /// # Arguments
 /// * `paths`: in the order in which they are laid.
@@ -364,19 +363,17 @@ fn check(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> Res
     Ok(())
 }
 
-/// A piece of a bead between two waypoints.
+/// A piece of a bead, by its path and the waypoint that it begins at.
+#[derive(Clone, Copy)]
 struct Segment {
     path: u32,
-    layer: u32,
-    kind: BeadKind,
-    ends: [Section; 2],
+    from: u32,
 }
 
 /// All beads.
-struct DepositedBeads {
+struct DepositedBeads<'a> {
+    paths: &'a [ToolPath],
     segments: Vec<Segment>,
-    /// Where the segments of each path begin in the list.
-    firsts: Vec<usize>,
     grid: BeadGrid,
     max_mm: f64,
     drop_mm: f64,
@@ -397,11 +394,6 @@ struct Looked {
     around: Vec<u32>,
 }
 
-/// Beads of its own layer do not carry: they lie beside it. Later paths are not there yet.
-fn may_carry(other: &Segment, segment: &Segment) -> bool {
-    other.path < segment.path && other.layer != segment.layer
-}
-
 /// What is known of a piece of a bead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Hold {
@@ -411,26 +403,21 @@ enum Hold {
     Unknown,
 }
 
-impl DepositedBeads {
-    fn new(paths: &[ToolPath], layer_height: f64, options: &SupportOptions) -> DepositedBeads {
+impl<'a> DepositedBeads<'a> {
+    fn new(paths: &'a [ToolPath], layer_height: f64, options: &SupportOptions) -> DepositedBeads<'a> {
         let &SupportOptions { max_distance, min_drop, step, plate, span_hold, span_bend } = options;
         let max_mm = max_distance * layer_height;
-        let (mut segments, mut firsts) = (Vec::new(), Vec::new());
+        let mut segments = Vec::new();
         for (number, path) in (0..).zip(paths) {
-            firsts.push(segments.len());
-            let segment = |pair: &[Waypoint]| {
-                let ends = [Section::of(&pair[0]), Section::of(&pair[1])];
-                Segment { path: number, layer: path.layer, kind: pair[1].kind, ends }
-            };
-            segments.extend(path.waypoints.windows(2).map(segment));
+            segments.extend((1..path.waypoints.len() as u32).map(|to| Segment { path: number, from: to - 1 }));
         }
-        let core = segments.iter().map(|segment: &Segment| segment.ends[0].core.max(segment.ends[1].core));
+        let core = paths.iter().flat_map(|path| &path.waypoints).map(|at| Section::of(at).core);
         // Beads are looked up by their middle lines: from there to the edge is the core of the widest.
         let reach = max_mm + core.fold(0.0, f64::max);
-        let grid = BeadGrid::new(segments.iter().map(|segment| &segment.ends), reach);
+        let grid = BeadGrid::new(segments.iter().map(|&segment| middles(&sections(paths, segment))), reach);
         DepositedBeads {
+            paths,
             segments,
-            firsts,
             grid,
             max_mm,
             drop_mm: min_drop * layer_height,
@@ -440,6 +427,12 @@ impl DepositedBeads {
             span_hold,
             span_bend,
         }
+    }
+
+    /// Whether a segment may carry one of a path: beads of its own layer do not, they lie beside it, and later paths are not there yet.
+    fn may_carry(&self, other: u32, path: u32) -> bool {
+        let other = self.segments[other as usize].path;
+        other < path && self.paths[other as usize].layer != self.paths[path as usize].layer
     }
 
     /// The unsupported pieces of a path, and whether they are spans.
@@ -470,17 +463,16 @@ impl DepositedBeads {
     fn runs(&self, number: usize, path: &ToolPath) -> Vec<(Hold, [f64; 2])> {
         let mut runs: Vec<(Hold, [f64; 2])> = Vec::new();
         let mut looked = Looked::default();
-        let end = self.firsts.get(number + 1).copied().unwrap_or(self.segments.len());
-        for segment in &self.segments[self.firsts[number]..end] {
-            let [a, b] = &segment.ends;
-            let is_judged = !(segment.kind.is_sparse() || segment.kind.is_bridge());
+        for pair in path.waypoints.windows(2) {
+            let [a, b] = &[Section::of(&pair[0]), Section::of(&pair[1])];
+            let is_judged = !(pair[1].kind.is_sparse() || pair[1].kind.is_bridge());
             let length = (b.middle - a.middle).norm().max(b.arc - a.arc);
             // A bead that is not judged is one piece: it is neither held nor on nothing.
             let steps = if is_judged { (length / self.step_mm).ceil().max(1.0) } else { 1.0 };
             for k in 0..steps as usize {
                 let hold = match is_judged {
                     false => Hold::Unknown,
-                    true if self.is_supported(segment, &a.toward(b, (k as f64 + 0.5) / steps), &mut looked) => {
+                    true if self.is_supported(number as u32, &a.toward(b, (k as f64 + 0.5) / steps), &mut looked) => {
                         Hold::Held
                     }
                     true => Hold::OnNothing,
@@ -500,7 +492,7 @@ impl DepositedBeads {
         runs
     }
 
-    fn is_supported(&self, segment: &Segment, at: &Section, looked: &mut Looked) -> bool {
+    fn is_supported(&self, path: u32, at: &Section, looked: &mut Looked) -> bool {
         if self.plate && at.middle.z <= self.max_mm {
             return true;
         }
@@ -514,7 +506,7 @@ impl DepositedBeads {
         let beside = |last: u32| [Some(last), last.checked_add(1), last.checked_sub(1)].into_iter().flatten();
         let carries = |number: &u32| {
             let other = self.segments.get(*number as usize);
-            other.is_some_and(|other| may_carry(other, segment) && self.is_below(&other.ends, at))
+            other.is_some_and(|&other| self.may_carry(*number, path) && self.is_below(&sections(self.paths, other), at))
         };
         if let Some(found) = looked.last.and_then(|last| beside(last).find(carries)) {
             looked.last = Some(found);
@@ -525,7 +517,7 @@ impl DepositedBeads {
             looked.cell = Some(cell);
             looked.around.clear();
             let around = self.grid.in_and_around(cell);
-            looked.around.extend(around.filter(|&other| may_carry(&self.segments[other as usize], segment)));
+            looked.around.extend(around.filter(|&other| self.may_carry(other, path)));
             // Just below come those that were laid last.
             looked.around.sort_unstable_by(|a, b| b.cmp(a));
             looked.around.dedup();
@@ -558,6 +550,12 @@ impl DepositedBeads {
         let [up, aside] = a.toward(b, share).off(at.middle);
         up.hypot(aside) <= self.max_mm
     }
+}
+
+/// Both ends of a segment.
+fn sections(paths: &[ToolPath], segment: Segment) -> [Section; 2] {
+    let waypoints = &paths[segment.path as usize].waypoints;
+    [0, 1].map(|k| Section::of(&waypoints[segment.from as usize + k]))
 }
 
 /// The waypoint at the end of the segment at a length along a path.

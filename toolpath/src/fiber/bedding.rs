@@ -13,7 +13,7 @@
 use super::head::LayerTapes;
 use super::tape::Tape;
 use crate::ProgressFn;
-use crate::beads::{BeadGrid, Section, nearest_share};
+use crate::beads::{BeadGrid, Section, middles, nearest_share};
 use crate::cells::{cell_of, with_neighbours};
 use crate::orientation::{ToolPath, Waypoint};
 use crate::path::BeadKind;
@@ -448,7 +448,7 @@ pub fn bedded_surface(
             .flat_map(|path| path.waypoints.windows(2).map(|pair| [Section::of(&pair[0]), Section::of(&pair[1])]));
         let pieces: Vec<[Section; 2]> = pieces.collect();
         let core = pieces.iter().map(|ends| ends[0].core.max(ends[1].core)).fold(0.0, f64::max);
-        let grid = BeadGrid::new(pieces.iter(), reach_mm + core);
+        let grid = BeadGrid::new(pieces.iter().map(middles), reach_mm + core);
         let is_near = move |at: &Point3<f64>| {
             grid.around(*at).any(|number| {
                 let ends = &pieces[number as usize];

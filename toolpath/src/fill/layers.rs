@@ -120,7 +120,7 @@ impl Filling<'_> {
         announce(self.progress, "curves", 0)?;
         let report = in_stage(self.progress, "curves");
         let part = if options.infill.is_solid() {
-            Filled::solid(self.field.paths(options, &report)?)
+            Filled::solid(self.field.paths(options, &report)?, options.bead)
         } else {
             filled_part(self.field, self.surface, options, self.site, &report)?
         };

@@ -39,7 +39,8 @@ pub(crate) struct Filled {
 
 impl Filled {
     /// A layer that is solid.
-    pub fn solid(paths: LayerPaths) -> Filled {
+    pub fn solid(mut paths: LayerPaths, bead: f64) -> Filled {
+        paths.straighten(bead);
         Filled { paths, sparse: SparseFill::default(), solid: None, solid_mm2: None }
     }
 }
@@ -65,6 +66,7 @@ pub(crate) fn filled(
     // Areas and skins are those between the walls; only what is laid as infill reaches beyond.
     let flush = sheet(0.0)?;
     add_skin(&mut paths, field, &flush, options, progress)?;
+    paths.straighten(bead);
     let mut sparse = SparseFill::default();
     for (corners, parent) in flush.of(Class::Sparse) {
         sparse.area_mm2 += area(corners);
@@ -118,7 +120,8 @@ fn add_infill(
     let region = paths.regions as u32;
     for (points, closed) in curves {
         let points = points.into_iter().map(|at| PathPoint { at, width: bead, kind: BeadKind::Infill }).collect();
-        let path = SurfacePath { points, closed, region };
+        let mut path = SurfacePath { points, closed, region };
+        path.straighten(bead);
         if path.length() < SHORTEST * bead {
             continue;
         }

@@ -10,6 +10,7 @@ mod kind;
 mod layer;
 mod options;
 mod points;
+mod straight;
 
 pub use error::PathError;
 pub use infill::{InfillOptions, InfillPattern};

@@ -54,7 +54,10 @@ impl Sheets {
 fn paths_of(surface: &LayerSurface, options: &PathOptions) -> LayerPaths {
     let mesh = SurfaceMesh::new(surface.vertices.to_vec(), surface.triangles.to_vec()).unwrap();
     let distance = SurfaceDistance::to_boundary(&mesh, &go_on).unwrap();
-    LevelField::new(&distance, 0.0125 * options.bead, &go_on).unwrap().paths(options, &go_on).unwrap()
+    let field = LevelField::new(&distance, 0.0125 * options.bead, &go_on).unwrap();
+    let mut paths = field.paths(options, &go_on).unwrap();
+    paths.straighten(options.bead);
+    paths
 }
 
 #[test]

@@ -11,7 +11,7 @@ use curvlay_toolpath::mesh::SurfacePoint;
 use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::order::*;
 use curvlay_toolpath::orientation::*;
-use curvlay_toolpath::path::{BeadKind, PathPoint, SurfacePath};
+use curvlay_toolpath::path::{BeadKind, LayerPaths, PathPoint, SurfacePath};
 use curvlay_toolpath::plan::PrintOptions;
 use curvlay_toolpath::shell::*;
 use curvlay_toolpath::support::*;
@@ -253,6 +253,9 @@ proptest! {
                 prop_assert_eq!(travelled.points.len(), count);
             }
             let _ = (path.length(), path.line());
+            let mut layer = LayerPaths { paths: vec![path.clone()], short: vec![path], ..LayerPaths::default() };
+            layer.straighten(value);
+            prop_assert!(layer.paths[0].points.len() <= count && layer.paths[0].points.is_empty() == (count == 0));
         }
     }
 
