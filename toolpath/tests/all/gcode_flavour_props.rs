@@ -128,7 +128,8 @@ fn slow_reading(file: &str, case: &Case) -> Vec<Seen> {
                 }
                 let relative = matches!(flavour.filament, FilamentWords::Axis { relative: true, .. });
                 let by = of(&extruder).map(|to| if relative { to } else { to - filament });
-                filament += by.unwrap_or(0.0);
+                // A number that comes again is the same place: a sum of differences would be a rounding away from it.
+                filament = of(&extruder).filter(|_| !relative).unwrap_or(filament + by.unwrap_or(0.0));
                 let has_axes = words.iter().any(|word| of(word).is_some());
                 let deltas: Vec<f64> = (0..5).map(|k| at[k] - before.0[k]).collect();
                 let f = of("F");
