@@ -208,7 +208,8 @@ pub fn fill_layers(
 /// computers. [`fill_rest`] does the rest.
 ///
 /// # Arguments
-/// * `surfaces`: all of them, as [`fill_layers`] takes them.
+/// * `surfaces`: all of them, as [`fill_layers`] takes them; but those of the range, and with skins as many whole layers before and after it as these are
+///   thick, may be empty.
 /// * `range`: which of them to fill, from 0.
 ///
 /// # Returns
@@ -218,7 +219,7 @@ pub fn fill_layers(
 /// [`FillLayersError::Range`] for surfaces that are not there; others as [`fill_layers`], but that nothing may fit here.
 ///
 /// # Cost
-/// That of [`fill_layer`] for each. With sparse infill the triangles of all surfaces are sorted as well, since skins depend on what is above
+/// That of [`fill_layer`] for each. With sparse infill the triangles of the surfaces that are given are sorted as well, since skins depend on what is above
 /// and below.
 ///
 /// # Example
