@@ -38,7 +38,7 @@ impl Workpiece<'_> {
     ///
     /// # Arguments
     /// * `field`: e.g. a saved one.
-    /// * `rows`: the cells of part and support, as [`Cells`] takes them.
+    /// * `rows`: the cells of part and support, as [`Cells`](crate::cells::Cells) takes them.
     /// * `support`: those that are support; none for a part without. Cells of `rows` that are neither part nor support get no surfaces.
     /// * `missed`: cells of the part without a value.
     /// * `height_mm`: layer height, at least a fifth of a cell.
