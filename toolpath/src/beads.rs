@@ -62,11 +62,10 @@ pub(crate) fn middles([a, b]: &[Section; 2]) -> [Point3<f64>; 2] {
     [a.middle, b.middle]
 }
 
-/// Pieces of beads, by number, in the cells of a grid that their centre lines pass through.
-///
-/// A cell has no place of its own: the pieces of all cells with the same hash stand together, the last ones first.
+/// Pieces of beads, by number, in the cells of a grid that their centre lines pass through: a spatial hash. A bucket holds the pieces of all cells with the
+/// same hash, the last ones first.
 pub(crate) struct BeadGrid {
-    /// Where the pieces of each hash begin, and where the last ones end.
+    /// Where the pieces of each bucket begin in the list, and at last where it ends.
     firsts: Vec<usize>,
     numbers: Vec<u32>,
     side: f64,
@@ -84,10 +83,10 @@ impl BeadGrid {
         let side = 1.25 * reach;
         let cells = |line: &[Point3<f64>; 2]| passed(*line, 0.5 * reach, side);
         let entries: usize = lines.clone().map(|line| cells(&line).count()).sum();
-        let hashes = entries.max(1).next_power_of_two();
-        // How many pieces each hash has, then where they end, and, once all are in place, where they begin.
-        let mut firsts = vec![0; hashes + 1];
-        lines.clone().for_each(|line| cells(&line).for_each(|cell| firsts[hash(cell, hashes)] += 1));
+        let buckets = entries.max(1).next_power_of_two();
+        // How many pieces each bucket has, then where they end, and, once all are in place, where they begin.
+        let mut firsts = vec![0; buckets + 1];
+        lines.clone().for_each(|line| cells(&line).for_each(|cell| firsts[bucket(cell, buckets)] += 1));
         let mut sum = 0;
         for first in &mut firsts {
             sum += *first;
@@ -96,9 +95,9 @@ impl BeadGrid {
         let mut numbers = vec![0; entries];
         for (number, line) in (0..).zip(lines) {
             for cell in cells(&line) {
-                let place = &mut firsts[hash(cell, hashes)];
-                *place -= 1;
-                numbers[*place] = number;
+                let first = &mut firsts[bucket(cell, buckets)];
+                *first -= 1;
+                numbers[*first] = number;
             }
         }
         BeadGrid { firsts, numbers, side }
@@ -117,8 +116,8 @@ impl BeadGrid {
     /// The same for all places of a cell.
     pub fn in_and_around(&self, cell: [i64; 3]) -> impl Iterator<Item = u32> {
         let pieces = |cell| {
-            let hash = hash(cell, self.firsts.len() - 1);
-            &self.numbers[self.firsts[hash]..self.firsts[hash + 1]]
+            let bucket = bucket(cell, self.firsts.len() - 1);
+            &self.numbers[self.firsts[bucket]..self.firsts[bucket + 1]]
         };
         with_neighbours(cell).flat_map(pieces).copied()
     }
@@ -134,12 +133,12 @@ fn passed([a, b]: [Point3<f64>; 2], step: f64, side: f64) -> impl Iterator<Item 
         .flatten()
 }
 
-/// The hash of a cell, below `hashes`, a power of two.
-fn hash([x, y, z]: [i64; 3], hashes: usize) -> usize {
+/// The bucket of a cell, of so many, a power of two.
+fn bucket([x, y, z]: [i64; 3], buckets: usize) -> usize {
     // The golden ratio as a share of 2^64: products with it are spread out evenly.
     const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
     let mixed = [x, y, z].iter().fold(0_u64, |mixed, &k| (mixed.rotate_left(21) ^ k as u64).wrapping_mul(GOLDEN));
-    (mixed >> 32) as usize & (hashes - 1)
+    (mixed >> 32) as usize & (buckets - 1)
 }
 
 #[cfg(test)]
@@ -174,7 +173,7 @@ mod tests {
     fn pieces_far_away_are_not_found() {
         let line = |k: u32| [0.0, 0.5].map(|x| Point3::new(f64::from(k) + x, 0.0, 0.0));
         let grid = BeadGrid::new((0..1000).map(line), 0.4);
-        // A place sees its own cell and those beside it, and by each hash less than one other on average.
+        // A place sees its own cell and those beside it, and in each bucket less than one other on average.
         let found = grid.around(Point3::new(500.0, 0.0, 0.0)).filter(|number| !(498..=502).contains(number)).count();
         assert!(found < 60, "{found}");
         assert!(grid.around(Point3::new(500.0, 0.0, 0.0)).any(|number| number == 500));

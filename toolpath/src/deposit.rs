@@ -25,6 +25,9 @@ use std::f64::consts::PI;
 /// Tips slower than this, in millimetres a second, stand still: machine files have no lower speed.
 const SLOWEST: f64 = 1e-3;
 
+/// Moves from path to path where no way is given: filament is drawn back, two hops, down to the path, and it is primed.
+const BETWEEN: usize = 5;
+
 /// How material is laid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
@@ -336,9 +339,6 @@ impl DepositionOptions {
         (volume / self.flow_mm3_s).max(length / self.max_feed).min(length / self.min_feed)
     }
 }
-
-/// Moves from path to path where no way is given: filament is drawn back, two hops, down to the path, and it is primed.
-const BETWEEN: usize = 5;
 
 /// The volume of a bead between two waypoints.
 fn volume(from: &Waypoint, to: &Waypoint) -> f64 {

@@ -120,7 +120,9 @@ impl Filling<'_> {
         announce(self.progress, "curves", 0)?;
         let report = in_stage(self.progress, "curves");
         let part = if options.infill.is_solid() {
-            Filled::solid(self.field.paths(options, &report)?, options.bead)
+            let mut paths = self.field.paths(options, &report)?;
+            paths.straighten(options.bead);
+            Filled::solid(paths)
         } else {
             filled_part(self.field, self.surface, options, self.site, &report)?
         };

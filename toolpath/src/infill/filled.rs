@@ -39,8 +39,7 @@ pub(crate) struct Filled {
 
 impl Filled {
     /// A layer that is solid.
-    pub fn solid(mut paths: LayerPaths, bead: f64) -> Filled {
-        paths.straighten(bead);
+    pub fn solid(paths: LayerPaths) -> Filled {
         Filled { paths, sparse: SparseFill::default(), solid: None, solid_mm2: None }
     }
 }
