@@ -4,7 +4,7 @@
 Run it in a worktree that is thrown away, since it changes sources: `git worktree add --detach ../mutants && cd ../mutants`.
 CRATE is a folder of the workspace, PATH a file or folder in it. All mutants of the paths are built at once, as switches (src/main.rs), so that the crate is compiled once
 and not once for each. A first run of each test alone notes which switches it reaches; a mutant is then tried with the tests that reach it, the quickest first, until one
-fails. With --sample N so many mutants, drawn at random, always the same ones. FILE (mutants.jsonl) has a line a mutant, and a run goes on from it.
+fails. With --sample N so many mutants are woven in, drawn at random, always the same ones. FILE (mutants.jsonl) has a line a mutant, and a run goes on from it.
 """
 import argparse
 import json
@@ -50,16 +50,23 @@ def switches_at(span):
     return {int(number) for number in before + behind}
 
 
-def weave(crate, paths):
-    """Weaves the mutants in, without those that do not compile; how many these are."""
+def weave(crate, paths, sample):
+    """Weaves the mutants in, or so many of them, without those that do not compile; how many these are."""
     subprocess.run(["cargo", "build", "--release", "-q", "--manifest-path", HERE / "Cargo.toml"], check=True)
     tool = next(Path(os.environ.get("CARGO_TARGET_DIR", HERE / "target")).glob("release/curvlay-mutants"))
     files = [file for path in paths for file in ([crate / path] if (crate / path).is_file() else sorted((crate / path).rglob("*.rs")))]
+
+    def woven_without(mutants):
+        subprocess.run(["git", "checkout", "-q", "--", crate / "src"], check=True)
+        (crate / "without.json").write_text(json.dumps(sorted(mutants)))
+        subprocess.run([tool, crate, *(file.relative_to(crate) for file in files)], check=True)
+        return {mutant["id"] for mutant in json.loads((crate / "mutants.json").read_text())}
+
+    every = woven_without([])
+    drawn = every if sample is None else set(random.Random(1).sample(sorted(every), min(sample, len(every))))
     without = set()
     for _ in range(ROUNDS):
-        subprocess.run(["git", "checkout", "-q", "--", crate / "src"], check=True)
-        (crate / "without.json").write_text(json.dumps(sorted(without)))
-        subprocess.run([tool, crate, *(file.relative_to(crate) for file in files)], check=True)
+        woven_without(every - drawn | without)
         checked = cargo(["check", "-q", "--message-format=json"], crate.name)
         errors = [item["message"] for item in messages(checked.stdout) if item["message"]["level"] == "error"]
         if not errors:
@@ -74,7 +81,7 @@ def weave(crate, paths):
 
 def run(crate, binary, test, limit, **more):
     """How a test ends: 0, another code, or `slow`; and the seconds it takes."""
-    env = dict(os.environ, PROPTEST_RNG_SEED="1", PROPTEST_MAX_SHRINK_ITERS="0", RUST_BACKTRACE="0", RAYON_NUM_THREADS="1", **more)
+    env = dict(os.environ, PROPTEST_RNG_SEED="1", PROPTEST_MAX_SHRINK_ITERS="0", PROPTEST_DISABLE_FAILURE_PERSISTENCE="1", RUST_BACKTRACE="0", RAYON_NUM_THREADS="1", **more)
     start = time.time()
     try:
         command = [binary, "--exact", test, "--test-threads", "1"]
@@ -124,13 +131,11 @@ def main():
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     args = parser.parse_args()
     crate = args.crate
-    uncompiled = weave(crate, args.paths)
+    uncompiled = weave(crate, args.paths, args.sample)
     mutants = json.loads((crate / "mutants.json").read_text())
     tests = list(tests_of(crate))
     print(f"{len(mutants)} mutants, {uncompiled} more do not compile; {len(tests)} tests", flush=True)
     tests_by_switch = reached(crate, tests, args.workers)
-    if args.sample is not None:
-        mutants = random.Random(1).sample(mutants, min(args.sample, len(mutants)))
     done = {row["id"]: row for row in map(json.loads, args.out.read_text().splitlines())} if args.out.exists() else {}
 
     def judge(mutant):

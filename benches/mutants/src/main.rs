@@ -2,7 +2,7 @@
 //!
 //! `curvlay-mutants CRATE FILE...` rewrites files of the crate in place: each expression that has mutants becomes `(if switched(K) { mutant } else { itself })`,
 //! and each function that has them returns a value at its start. `src/mutant_switch.rs`, which it adds, says which one is on (`MUTANT=K`), and notes those that a test reaches
-//! (`MUTANTS_REACHED=FILE`). The list goes to `mutants.json` in the crate; `without.json` there has the numbers of those that do not compile. `run.py` does all of it.
+//! (`MUTANTS_REACHED=FILE`). The list goes to `mutants.json` in the crate; `without.json` there has the numbers of those that stay out, since they do not compile or are not asked for. `run.py` does all of it.
 //!
 //! Changed are operators, negations and guards, as by `cargo mutants`, and what functions return; not constants, `const fn`, macros, and tests.
 

@@ -38,7 +38,7 @@ struct Weaver<'a> {
 /// The text of a file with its mutants.
 ///
 /// # Arguments
-/// * `without`: numbers of mutants that do not compile.
+/// * `without`: numbers of mutants that stay out.
 /// * `next`: the number of the next mutant. Those that do not compile have numbers as well, so that the others keep theirs.
 /// * `mutants`: takes those of the file.
 pub fn woven(

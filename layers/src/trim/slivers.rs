@@ -273,11 +273,7 @@ impl Cleaner<'_> {
                 return false;
             }
         }
-        let fits = |&half: &u32| {
-            let [a, b] = [surface.place(half), surface.place(next(half))];
-            [*a, *b, nalgebra::center(a, b)].iter().all(|p| self.on_mesh(p))
-        };
-        if kind == BoundaryKind::Mesh && !inside.iter().all(fits) {
+        if kind == BoundaryKind::Mesh && !inside.iter().all(|&half| self.is_side_on_mesh(half)) {
             return false;
         }
         self.surface.gone[sides[0] as usize / 3] = true;
@@ -301,7 +297,11 @@ impl Cleaner<'_> {
             Across::Half(_) => None,
         });
         self.surface.gone[triangle] = true;
-        across.into_iter().for_each(|across| self.join(across, Across::End(kind.unwrap_or(BoundaryKind::Border))));
+        for (half, across) in sides.into_iter().zip(across) {
+            // A side may reach beyond the one that is on the mesh.
+            let kind = kind.filter(|kind| *kind != BoundaryKind::Mesh || self.is_side_on_mesh(half));
+            self.join(across, Across::End(kind.unwrap_or(BoundaryKind::Border)));
+        }
         let (mut first, mut second) = (Vec::new(), Vec::new());
         for k in 0..3 {
             let (Across::Half(after), Across::Half(before)) = (across[k], across[(k + 2) % 3]) else { continue };
@@ -313,6 +313,12 @@ impl Cleaner<'_> {
                 second.iter().for_each(|&half| self.surface.triangles[half as usize / 3][half as usize % 3] = point);
             }
         }
+    }
+
+    /// Whether the ends and the middle of a side lie on the mesh.
+    fn is_side_on_mesh(&self, half: u32) -> bool {
+        let [a, b] = [self.surface.place(half), self.surface.place(next(half))];
+        [*a, *b, nalgebra::center(a, b)].iter().all(|p| self.on_mesh(p))
     }
 
     fn on_mesh(&self, p: &Point3<f64>) -> bool {

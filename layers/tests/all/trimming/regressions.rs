@@ -96,3 +96,13 @@ fn a_triangle_without_height_inside_leaves_a_slit() {
     assert_eq!(trimmed.slivers, 0);
     assert!((trimmed.area() - 8.0).abs() < 1e-12);
 }
+
+/// A triangle without height on the boundary was cut out, and all its sides counted as ends on the mesh: one reached beyond the one that is.
+#[test]
+fn what_a_flat_triangle_leaves_is_on_the_mesh_or_a_border() {
+    let mesh = sheet(&[[0, 0, 0], [4, 0, 2], [4, 3, 0], [4, 4, 1]], &[[0, 2, 1], [2, 3, 1], [0, 3, 1]]);
+    let mut sheet = field(4.0, 4, |_, _| 0.0);
+    let heights = |k: usize| [(12, 4.0), (18, 3.0)].iter().find(|at| at.0 == k).map_or(0.0, |at| at.1);
+    sheet.vertices = (0..).zip(&sheet.vertices).map(|(k, p)| P::new(p.x + 2.0, p.y + 2.0, heights(k))).collect();
+    check(&sheet, &trim(&mesh, &sheet));
+}
