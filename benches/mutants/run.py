@@ -68,7 +68,8 @@ def weave(crate, paths, sample):
     for _ in range(ROUNDS):
         woven_without(every - drawn | without)
         checked = cargo(["check", "-q", "--message-format=json"], crate.name)
-        errors = [item["message"] for item in messages(checked.stdout) if item["message"]["level"] == "error"]
+        said = [item["message"] for item in messages(checked.stdout) if item["reason"] == "compiler-message"]
+        errors = [message for message in said if message["level"] == "error"]
         if not errors:
             return len(without)
         spans = [span for error in errors for part in [error, *error["children"]] for span in part["spans"]]

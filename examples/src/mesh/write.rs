@@ -32,10 +32,12 @@ impl Mesh {
             let places = corners.map(|corner| single.vertices[corner as usize]);
             let [a, b, c] = places.map(|place| Vector3::from(place.map(f64::from)));
             let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
-            for vector in [normal.map(|c| c as f32).into(), places[0], places[1], places[2]] {
-                vector.iter().try_for_each(|at| out.write_all(&at.to_le_bytes()))?;
+            let mut record = [0; 50];
+            let numbers = [normal.map(|c| c as f32).into(), places[0], places[1], places[2]];
+            for (bytes, number) in record.chunks_exact_mut(4).zip(numbers.as_flattened()) {
+                bytes.copy_from_slice(&number.to_le_bytes());
             }
-            out.write_all(&[0; 2])?;
+            out.write_all(&record)?;
         }
         Ok(())
     }

@@ -3,6 +3,8 @@
 use curvlay_examples::gallery::PARTS;
 use curvlay_examples::mesh::{Mesh, read_mesh};
 use curvlay_voxel::inspect::{Orientation, inspect};
+use std::fs::File;
+use std::io::BufWriter;
 
 /// How far from the plate a foot may be, and how small a part may be, mm.
 const ON_PLATE_MM: f64 = 1e-6;
@@ -35,7 +37,7 @@ fn files_hold_what_was_made() {
     for part in PARTS {
         let mesh = part.mesh();
         let path = folder.path().join(format!("{}.stl", part.name));
-        mesh.write_stl(&mut std::fs::File::create(&path).unwrap()).unwrap();
+        mesh.write_stl(&mut BufWriter::new(File::create(&path).unwrap())).unwrap();
         let read = read_mesh(&path).unwrap();
         check(part.name, &read, part.base.is_none());
         assert!((read.volume() - mesh.volume()).abs() < 1e-4 * mesh.volume(), "{}", part.name);
