@@ -88,7 +88,8 @@ pub struct Args {
     /// Additional output files, separated by commas
     #[arg(long, value_name = "FILE,...", value_delimiter = ',', help_heading = settings::FILES)]
     pub also: Vec<Extra>,
-    /// Fills only these layers and ends: A..B (both included, from 1), A.. or K/N (piece K of N); writes paths.jsonl for --merge
+    /// Fills only these layers and ends: A..B (both included, from 1), A.. or K/N (piece K of N); writes paths.jsonl for
+    /// --merge and, without --resume, the field.txt that the other ranges continue from
     #[arg(long, value_name = "LAYERS", value_parser = ranges::pick, conflicts_with = "merge", help_heading = CELLS)]
     pub layers: Option<Pick>,
     /// Takes the paths of runs with --layers, which together have all layers, instead of filling the layers

@@ -38,6 +38,8 @@ pub enum Made {
     Surfaces,
     /// Surfaces of this share of the layers of a saved order, and those near them.
     SomeSurfaces(f64),
+    /// Their order, completed, and such a share of the surfaces.
+    OrderAndSomeSurfaces(f64),
 }
 
 /// Memory in gigabytes that a stage may take.
@@ -65,6 +67,9 @@ impl Memory {
             Made::CompleteOrder => (COMPLETE_CELL, FIELD_GRID_CELL),
             Made::Surfaces => (SURFACE_CELL, SURFACE_GRID_CELL),
             Made::SomeSurfaces(share) => ((SAVED_CELL + share * SURFACE_CELL).min(SURFACE_CELL), SURFACE_GRID_CELL),
+            Made::OrderAndSomeSurfaces(share) => {
+                ((COMPLETE_CELL + share * SURFACE_CELL).min(SURFACE_CELL), SURFACE_GRID_CELL)
+            }
         };
         let bytes = of_part * cells as f64 + of_grid * grid;
         let advice = |share: f64| format!("--voxels {:.0} would fit", (cells as f64 * share).floor());

@@ -7,14 +7,31 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::ProgressFn;
 use curvlay_layers::curved::surface::{LayerField, SavedField};
 use curvlay_layers::curved::{
-    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayersBy, NoSupport, PlannedSurfaces, SupportCells, Workpiece,
-    audit_with_nozzle,
+    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayerSurfaces, LayeredPart, LayersBy, NoSupport, PartSupport,
+    PlannedSurfaces, SupportCells, Workpiece, audit_with_nozzle,
 };
 
 /// How far apart surfaces are, in millimetres: as layers, or farther where no more than so many are made of a growth of this length.
 fn apart_mm(options: &LayerOptions, surfaces: &SurfaceOptions, cell_mm: f64, growth_mm: f64) -> f64 {
     let layer_mm = options.height_mm.unwrap_or(cell_mm);
     surfaces.max_surfaces.map_or(layer_mm, |most| layer_mm.max(growth_mm / f64::from(most)))
+}
+
+/// Surfaces of the part and of its support.
+type Surfaces = (LayerSurfaces, Option<PartSupport>);
+
+/// The surfaces of the layers that are wanted, with those near them.
+fn some(
+    planned: &PlannedSurfaces,
+    surfaces: &SurfaceOptions,
+    part: &Part,
+    progress: ProgressFn,
+) -> Result<Surfaces, Failure> {
+    let range = match surfaces.layers {
+        Some((pick, neighbours)) => planned.with_neighbours(pick.layers(planned.len()).map_err(failure)?, neighbours),
+        None => 0..planned.len(),
+    };
+    planned.make(range, progress).map_err(|error| surfaces::failed(error, part))
 }
 
 /// An order of the cells.
@@ -64,13 +81,7 @@ impl Ordered {
             let planned =
                 PlannedSurfaces::new(workpiece, &saved.field, &saved.rows, cells, &missed, asked_mm, progress)
                     .map_err(failed)?;
-            let range = match surfaces.layers {
-                Some((pick, neighbours)) => {
-                    planned.with_neighbours(pick.layers(planned.len()).map_err(failure)?, neighbours)
-                }
-                None => 0..planned.len(),
-            };
-            Ok::<_, Failure>((planned.make(range, progress).map_err(failed)?, asked_mm))
+            Ok::<_, Failure>((some(&planned, surfaces, part, progress)?, asked_mm))
         });
         let made = layers.transpose()?.map(|((layers, support), asked_mm)| {
             let SavedField { field, aids, .. } = saved;
@@ -130,8 +141,21 @@ impl Ordered {
             let cell_mm = workpiece.cell_mm;
             let asked_mm = apart_mm(options, surfaces, cell_mm, cells * cell_mm);
             let made = LayerOptions { height_mm: Some(asked_mm), ..*options };
-            let layered = workpiece.layers_of(order, &made, progress).map_err(failed)?;
-            ordered.made = Some(Made::of(layered, options.rule, asked_mm));
+            // Which field is more coherent shows only in all surfaces.
+            ordered.made = Some(if surfaces.layers.is_some() && !options.coherent {
+                let uniform = workpiece.field_of(&order, &made, progress).map_err(failed)?;
+                let (cells, missed) = (order.united(&workpiece.cells).map_err(failure)?, ordered.growth.missed_cells());
+                let (field, support) = (&uniform.field, order.support_cells());
+                let planned =
+                    PlannedSurfaces::new(workpiece, field, cells.rows(), support, &missed, asked_mm, progress)
+                        .map_err(failed)?;
+                let layers = some(&planned, surfaces, part, progress)?;
+                Made::of(uniform, layers, &ordered.growth, options.rule, asked_mm)
+            } else {
+                let LayeredPart { growth, uniform, surfaces, support, .. } =
+                    workpiece.layers_of(order, &made, progress).map_err(failed)?;
+                Made::of(uniform, (surfaces, support), &growth, options.rule, asked_mm)
+            });
         }
         Ok(ordered)
     }

@@ -8,10 +8,10 @@ use curvlay_examples::input::{self, InputError};
 use curvlay_examples::mesh::Mesh;
 use curvlay_layers::cells::Cells;
 use curvlay_layers::curved::surface::{
-    LayerField, PrintAids, SavedField, Spacing, UniformMethod, mesh_stamp, plain_field,
+    LayerField, PrintAids, SavedField, Spacing, UniformField, UniformMethod, mesh_stamp, plain_field,
 };
 use curvlay_layers::curved::{
-    Growth, LayerSurfaces, LayeredPart, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet, Workpiece,
+    Growth, LayerSurfaces, LayersError, NozzleCell, NozzleRule, PartSupport, PrintedSheet, Workpiece,
 };
 use curvlay_layers::nalgebra::Vector3;
 use curvlay_toolpath::layer::{DirectionHints, LayerSurface};
@@ -33,7 +33,7 @@ pub struct SurfaceOptions {
     pub coherent: bool,
     /// Makes the surfaces of hop counts as well, to compare with.
     pub compare: bool,
-    /// Of a saved field makes the surfaces of these layers alone, with so many whole layers before and after them. None for all.
+    /// Makes the surfaces of these layers alone, with so many whole layers before and after them; all where it has to be found out which field is more coherent. None for all.
     pub layers: Option<(Pick, usize)>,
 }
 
@@ -52,10 +52,15 @@ pub struct Made {
 }
 
 impl Made {
-    /// Of the layers of an order.
-    pub fn of(layered: LayeredPart, rule: NozzleRule, asked_mm: f64) -> Self {
-        let LayeredPart { growth, uniform, surfaces: layers, support, .. } = layered;
-        let mut aids = PrintAids { rule, nozzle: growth.nozzle, ..PrintAids::default() };
+    /// Of the field of an order, and its layers.
+    pub fn of(
+        uniform: UniformField,
+        (layers, support): (LayerSurfaces, Option<PartSupport>),
+        growth: &Growth,
+        rule: NozzleRule,
+        asked_mm: f64,
+    ) -> Self {
+        let mut aids = PrintAids { rule, nozzle: growth.nozzle.clone(), ..PrintAids::default() };
         if let Some(PartSupport { cells, gap, contact, .. }) = &support {
             (aids.support, aids.gap, aids.contact) = (cells.clone(), gap.clone(), contact.clone());
         }

@@ -13,8 +13,8 @@ use curvlay_examples::clock::StageClock;
 use curvlay_layers::ProgressFn;
 use curvlay_layers::curved::surface::SavedField;
 use curvlay_layers::curved::{
-    Guides, Impossible, LayerOptions, LayerQuality, Neighbours, NozzleUse, ProofError, Workpiece, check_impossible,
-    layer_quality, prove_impossible,
+    Guides, Impossible, LayerOptions, LayerQuality, LayersBy, Neighbours, NozzleUse, ProofError, Workpiece,
+    check_impossible, layer_quality, prove_impossible,
 };
 use nalgebra::Vector3;
 
@@ -59,10 +59,14 @@ pub fn run(
 
 /// What is made of the cells before there are paths: it decides how much memory the run takes.
 fn made(options: &FieldOptions, surfaces: Option<&SurfaceOptions>, is_saved: bool) -> estimate::Made {
-    let LayerOptions { nozzle, support, strategy, .. } = options.layers;
+    let LayerOptions { nozzle, support, strategy, layers_by, .. } = options.layers;
+    let is_chosen_by_surfaces = strategy.is_none() && matches!(layers_by, LayersBy::Hull | LayersBy::Best);
     match (surfaces, is_saved, strategy) {
         (None, true, _) => estimate::Made::CompleteOrder,
         (Some(SurfaceOptions { layers: Some((pick, _)), .. }), true, _) => estimate::Made::SomeSurfaces(pick.share()),
+        (Some(SurfaceOptions { layers: Some((pick, _)), coherent: false, .. }), false, _) if !is_chosen_by_surfaces => {
+            estimate::Made::OrderAndSomeSurfaces(pick.share())
+        }
         (None, false, Some(_)) if nozzle == NozzleUse::Off && support.is_none() => estimate::Made::OrderByHulls,
         (None, false, Some(_)) => estimate::Made::CompleteOrder,
         // The best strategy makes surfaces to choose, where cells are missed.

@@ -21,8 +21,12 @@ pub fn products(args: &Args, run: &SurfacesRun, folder: &OutputFolder) -> Result
     let vtk = |out: &mut dyn Write| write_surfaces_vtk(out, &run.slices(), Some(&run.spacing));
     folder.write_list("layers.vtk", writes(Extra::LayersVtk), vtk)?;
     folder.write_list("field.vtk", writes(Extra::FieldVtk), |out| write_field_vtk(out, field, *cell_mm, *origin))?;
-    folder.write_with("field.txt", |out| run.saved.write(out))?;
-    Ok(())
+    write_saved(run, folder)
+}
+
+/// The field that other runs go on from.
+pub fn write_saved(run: &SurfacesRun, folder: &OutputFolder) -> Result<(), Failure> {
+    Ok(folder.write_with("field.txt", |out| run.saved.write(out))?)
 }
 
 /// A group for each layer, in millimetres; the plate is the plane z = 0.

@@ -51,6 +51,11 @@ pub fn write_range(
         filled().map(|layer| layer.paths.paths.len()).sum::<usize>(),
         filled().map(|layer| layer.statistics.path_mm).sum::<f64>(),
     );
+    // The other ranges go on from here.
+    if let Some(surfaces) = results.surfaces.as_ref().filter(|_| job.args.resume.is_none()) {
+        write_posed(job)?;
+        surfaces::write_saved(surfaces, job.folder)?;
+    }
     let mut figures = summary(Stage::Paths, job, results)?;
     figures
         .set("layers_first", range.start + 1)?
@@ -73,15 +78,21 @@ pub fn write_range(
     Table::print_all([&table]).map_err(failure)
 }
 
+/// The part as it was turned, if it was.
+fn write_posed(job: &Job) -> Result<(), Failure> {
+    if job.posed.is_some() {
+        job.folder.write_with("oriented.obj", |out| job.part.mesh.write_obj(COMMENT, out))?;
+    }
+    Ok(())
+}
+
 /// The files of a stage. Programs that would be wrong are left out; that is a finding.
 fn products(stage: Stage, job: &Job, results: &mut Results) -> Result<(), Failure> {
     let Results { field, surfaces, paths, machine, motion, files, findings, .. } = results;
     let Job { args, setup, folder, part, .. } = job;
     match stage {
         Stage::Preview | Stage::Field | Stage::Surfaces => {
-            if job.posed.is_some() {
-                folder.write_with("oriented.obj", |out| job.part.mesh.write_obj(COMMENT, out))?;
-            }
+            write_posed(job)?;
             // Surfaces that stand for others are not what is printed where cells are, nor what another run goes on from.
             let surfaces = surfaces.as_ref().filter(|_| stage != Stage::Preview);
             field::products(args, field, surfaces, folder)?;

@@ -115,6 +115,30 @@ fn ranges_of_layers_put_together_are_one_run() {
     }
 }
 
+/// Without a saved field a piece finds the order, saves the field, and makes the surfaces near its layers alone.
+#[test]
+fn the_first_piece_saves_the_field_for_the_others() {
+    let hook = [[[0, 0, 0], [10, 10, 30]], [[0, 0, 20], [40, 10, 30]]];
+    for layers_by in ["hull", "directed"] {
+        let (place, mesh) = folder(&format!("first-{layers_by}"), &hook);
+        let path = |name: &str| place.join(name).display().to_string();
+        let common_args = ["--mesh", &mesh, "--cell", "2", "--layers-by", layers_by];
+        let done = |more: &[&str], name: &str| {
+            let output = run(&[more, &["--out", &path(name)]].concat());
+            assert!(matches!(output.status.code(), Some(0 | 3)), "{}", line(&output));
+            common::summary(&place.join(name))["surface_triangles"].as_u64().unwrap()
+        };
+        let whole = done(&[&common_args[..], &["--stage", "surfaces"]].concat(), "whole");
+        let first = done(&[&common_args[..], &["--layers", "1/3"]].concat(), "first");
+        let resumed = done(&["--mesh", &mesh, "--resume", &path("whole/field.txt"), "--layers", "1/3"], "resumed");
+        let of = |name: &str, file: &str| fs::read(place.join(name).join(file)).unwrap();
+        assert!(of("first", "field.txt") == of("whole", "field.txt"), "{layers_by}");
+        assert!(of("first", "paths.jsonl") == of("resumed", "paths.jsonl"), "{layers_by}");
+        assert!(!place.join("resumed/field.txt").exists());
+        assert!(first == resumed && first < whole, "{layers_by}: {first} {resumed} {whole}");
+    }
+}
+
 /// A file of paths, changed: a digit of a width, which the checksum sees; with its checksum put right, a triangle that is not there and
 /// weights of no point, and another stamp of a surface; lines behind its end; cut short, in a line and after one. With what is said about each.
 fn damaged(text: &str) -> Vec<(String, &'static str)> {

@@ -161,23 +161,66 @@ impl Workpiece<'_> {
         Ok(LayeredPart { layers_by, strategy, growth, audit, uniform, surfaces, missed_by_hull, support, no_support })
     }
 
-    /// The layers of an order from a field whose layers are a cell thick, or from the field that the order is by.
+    /// The field of an order, over part and support: that of [`Workpiece::layers_of`] without [`LayerOptions::coherent`], whose layers are a cell thick. Without surfaces, since
+    /// [`PlannedSurfaces`](crate::curved::PlannedSurfaces) may make some of them.
+    ///
+    /// # Arguments
+    /// * `options`: those of the order.
+    /// * `progress`: called with the stage `uniform`; may cancel.
+    ///
+    /// # Errors
+    /// [`LayersError`].
+    ///
+    /// # Cost
+    /// That of [`uniform_field_with_nozzle`], or of the check of the field that the order is by.
+    ///
+    /// # Example
+    /// ```
+    /// use curvlay_layers::cells::Cells;
+    /// use curvlay_layers::curved::{LayerOptions, Platform, Workpiece, cell_mesh};
+    /// use curvlay_layers::nalgebra::Point3;
+    /// use std::ops::ControlFlow::Continue;
+    /// // A column of 2 x 2 x 9 cells of 1 mm.
+    /// let (rows, silent) = (vec![0b11; 18], |_| Continue(()));
+    /// let cells = Cells::new([2, 2, 9], &rows)?;
+    /// let mesh = cell_mesh(&cells, &cells.iter().collect::<Vec<u32>>(), 1.0, Point3::origin());
+    /// let platform = Platform::under(&cells, 10.0)?;
+    /// let part = Workpiece::new((&mesh.vertices, &mesh.triangles), cells, 1.0, Point3::origin(), &platform, &silent)?;
+    /// let options = LayerOptions::default();
+    /// let order = part.order(&options, &silent)?;
+    /// let uniform = part.field_of(&order, &options, &silent)?;
+    /// assert_eq!(uniform.field, part.layers_of(order, &options, &silent)?.uniform.field);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn field_of(
+        &self,
+        order: &PartOrder,
+        options: &LayerOptions,
+        progress: ProgressFn,
+    ) -> Result<UniformField, LayersError> {
+        if let Some((uniform, _)) = &order.layers {
+            return Ok(uniform.clone());
+        }
+        let (cells, growth) = (order.united(&self.cells)?, order.final_growth());
+        let (judged, missed) = (order.judged(&options.rule, self.cell_mm), growth.missed_cells());
+        begin("uniform", progress)?;
+        match &order.field {
+            Some(field) => Ok(field_by_distance(&cells, self, order, field, &judged, progress)?),
+            None => {
+                let Workpiece { platform, rules, .. } = self;
+                Ok(uniform_field_with_nozzle(&cells, platform, rules, &judged, &growth.order, &missed, progress)?)
+            }
+        }
+    }
+
+    /// The layers of an order from its field.
     fn uniform_layers(
         &self,
         order: &PartOrder,
         options: &LayerOptions,
         progress: ProgressFn,
     ) -> Result<Layers, LayersError> {
-        let (cells, growth) = (order.united(&self.cells)?, order.final_growth());
-        let (judged, missed) = (order.judged(&options.rule, self.cell_mm), growth.missed_cells());
-        begin("uniform", progress)?;
-        let uniform = match &order.field {
-            Some(field) => field_by_distance(&cells, self, order, field, &judged, progress)?,
-            None => {
-                let Workpiece { platform, rules, .. } = self;
-                uniform_field_with_nozzle(&cells, platform, rules, &judged, &growth.order, &missed, progress)?
-            }
-        };
+        let uniform = self.field_of(order, options, progress)?;
         self.layers_of_field(order, uniform, options, progress)
     }
 

@@ -208,9 +208,10 @@ proptest! {
         for options in spoilt_options {
             if let Ok(order) = work.order(&options, &go) {
                 prop_assert!(order.final_growth().order.len() <= 60 && order.support_cells().cells.len() <= 60);
-                let _ = order.united(&cells);
+                let _ = (order.united(&cells), work.field_of(&order, &options, &go));
                 let mut wrong = order.clone();
                 wrong.growth.order = made.clone();
+                let _ = work.field_of(&wrong, &options, &go);
                 let _ = work.layers_of(wrong, &options, &go);
             }
             let Ok(layered) = work.layers(&options, &go) else { continue };
