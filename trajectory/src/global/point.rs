@@ -264,3 +264,20 @@ impl<const N: usize, const F: usize> Point<N, F> {
             .sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_values_lie_in_the_ranges_and_in_the_cone() {
+        let ranges = [FreeRange::Turn, FreeRange::Within(-1.0, 1.0), FreeRange::Within(-1.0, 0.4)];
+        let cone = Some(Cone { tilts: [1, 2], half_angle: 0.25 });
+        let within = |cone, free| Domain { ranges, cone }.nearest(free);
+        assert_eq!(within(None, [9.0, 3.0, -2.0]), [9.0, 1.0, -1.0]);
+        assert_eq!(within(cone, [9.0, 0.15, -0.2]), [9.0, 0.15, -0.2]);
+        // 0.3 and 0.4 are 0.5 from the middle, twice as far as the cone goes.
+        let [turn, a, b] = within(cone, [9.0, 0.3, 7.0]);
+        assert!(turn == 9.0 && (a - 0.15).abs() < 1e-12 && (b - 0.2).abs() < 1e-12 && a.hypot(b) <= 0.25, "{a} {b}");
+    }
+}

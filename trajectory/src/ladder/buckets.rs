@@ -308,3 +308,37 @@ pub(super) fn best_pair<const N: usize>(nodes: &[[f64; N]], kinds: &[Kind; N], l
     }
     best.1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn gaps_between_cells_are_just_below_distances() {
+        let mut random = Random::new(7);
+        let nodes: Vec<[f64; 1]> = (0..60).map(|_| [random.within(-PI, PI)]).collect();
+        for (kind, period) in [(Kind::Circular, TAU), (Kind::AsGiven, f64::INFINITY)] {
+            for limit in [0.2, 1.5, 4.0] {
+                let axis = Axis::new(0, &[kind], &nodes, limit);
+                let measure = Measure { norm: Norm::Absolute, weights: [1.0], period: [period] };
+                let mut met = 0;
+                for a in &nodes {
+                    let from = axis.cell(a);
+                    let within = axis.at(a) - from as f64;
+                    for (b, step) in nodes.iter().flat_map(|b| axis.steps().map(move |step| (b, step))) {
+                        if axis.moved(from, step) != Some(axis.cell(b)) {
+                            continue;
+                        }
+                        let distance = measure.between(a, b);
+                        let (near, far) = (axis.gap(step), axis.gap_from(within, step));
+                        assert!(near <= far + 1e-6 && far <= distance, "{kind:?} {a:?} {b:?}: {near} {far} {distance}");
+                        assert!(distance <= far + 2.0 * axis.size, "{kind:?} {a:?} {b:?}: {far} {distance}");
+                        met += 1;
+                    }
+                }
+                assert!(met > 200, "{met}");
+            }
+        }
+    }
+}

@@ -363,7 +363,18 @@ fn on_edge<const F: usize>(free: &[f64; F], window: &Window<F>, range: &[FreeRan
 mod tests {
     use super::*;
     use crate::RobotFn;
+    use std::f64::consts::PI;
     use std::ops::ControlFlow;
+
+    #[test]
+    fn the_margin_beside_stops_leaves_an_image_of_every_angle() {
+        let limits = |reach: f64| Bounds { lower: [-reach, f64::NEG_INFINITY], upper: [reach, reach], ..Bounds::NONE };
+        for (reach, expected) in [(10.0, 10.0 - STOP_MARGIN), (PI + 0.03, PI), (PI, PI), (1.0, 1.0)] {
+            let narrower = with_margin(&limits(reach));
+            assert!((narrower.upper[0] - expected).abs() < 1e-12 && (narrower.lower[0] + expected).abs() < 1e-12);
+            assert_eq!((narrower.lower[1], narrower.upper[1]), (f64::NEG_INFINITY, reach - STOP_MARGIN));
+        }
+    }
 
     #[test]
     fn going_back_is_as_beginning_anew_with_the_wider_bands() {

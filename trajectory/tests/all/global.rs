@@ -298,6 +298,10 @@ fn what_cannot_be_is_named() {
     assert_eq!(go(&start, &no_speed, &plain), GlobalError::Bounds(expected));
     let no_price = GlobalOptions { penalty: f64::NAN, ..plain };
     assert!(matches!(go(&start, &Bounds::NONE, &no_price), GlobalError::Option { what: "penalty", .. }));
+    let endless = GlobalOptions { tolerance: f64::INFINITY, ..plain };
+    assert!(matches!(go(&start, &Bounds::NONE, &endless), GlobalError::Option { what: "tolerance", .. }));
+    let never_singular = GlobalOptions { near_singular: f64::INFINITY, ..plain };
+    assert!(smooth_globally(&robot, &line, &start, &Bounds::NONE, &never_singular, &quiet).is_ok());
     let stop = |_: Progress| ControlFlow::Break(());
     let error = smooth_globally(&robot, &line, &start, &Bounds::NONE, &plain, &stop).unwrap_err();
     assert_eq!(error, GlobalError::Cancelled);
