@@ -20,8 +20,8 @@ fn apart_mm(options: &LayerOptions, surfaces: &SurfaceOptions, cell_mm: f64, gro
 /// Surfaces of the part and of its support.
 type Surfaces = (LayerSurfaces, Option<PartSupport>);
 
-/// The surfaces of the layers that are wanted, with those near them.
-fn some(
+/// The surfaces of the layers that were picked, with those near them.
+fn picked(
     planned: &PlannedSurfaces,
     surfaces: &SurfaceOptions,
     part: &Part,
@@ -81,7 +81,7 @@ impl Ordered {
             let planned =
                 PlannedSurfaces::new(workpiece, &saved.field, &saved.rows, cells, &missed, asked_mm, progress)
                     .map_err(failed)?;
-            Ok::<_, Failure>((some(&planned, surfaces, part, progress)?, asked_mm))
+            Ok::<_, Failure>((picked(&planned, surfaces, part, progress)?, asked_mm))
         });
         let made = layers.transpose()?.map(|((layers, support), asked_mm)| {
             let SavedField { field, aids, .. } = saved;
@@ -149,7 +149,7 @@ impl Ordered {
                 let planned =
                     PlannedSurfaces::new(workpiece, field, cells.rows(), support, &missed, asked_mm, progress)
                         .map_err(failed)?;
-                let layers = some(&planned, surfaces, part, progress)?;
+                let layers = picked(&planned, surfaces, part, progress)?;
                 Made::of(uniform, layers, &ordered.growth, options.rule, asked_mm)
             } else {
                 let LayeredPart { growth, uniform, surfaces, support, .. } =

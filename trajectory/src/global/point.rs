@@ -273,11 +273,15 @@ mod tests {
     fn the_nearest_values_lie_in_the_ranges_and_in_the_cone() {
         let ranges = [FreeRange::Turn, FreeRange::Within(-1.0, 1.0), FreeRange::Within(-1.0, 0.4)];
         let cone = Some(Cone { tilts: [1, 2], half_angle: 0.25 });
-        let within = |cone, free| Domain { ranges, cone }.nearest(free);
-        assert_eq!(within(None, [9.0, 3.0, -2.0]), [9.0, 1.0, -1.0]);
-        assert_eq!(within(cone, [9.0, 0.15, -0.2]), [9.0, 0.15, -0.2]);
+        let check = |cone: Option<Cone>, free: [f64; 3], expected: [f64; 3]| {
+            let nearest = Domain { ranges, cone }.nearest(free);
+            let is_near = nearest.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-12);
+            assert!(is_near, "{nearest:?} for {expected:?}");
+            assert!(cone.is_none_or(|cone| nearest[1].hypot(nearest[2]) <= cone.half_angle));
+        };
+        check(None, [9.0, 3.0, -2.0], [9.0, 1.0, -1.0]);
+        check(cone, [9.0, 0.15, -0.2], [9.0, 0.15, -0.2]);
         // 0.3 and 0.4 are 0.5 from the middle, twice as far as the cone goes.
-        let [turn, a, b] = within(cone, [9.0, 0.3, 7.0]);
-        assert!(turn == 9.0 && (a - 0.15).abs() < 1e-12 && (b - 0.2).abs() < 1e-12 && a.hypot(b) <= 0.25, "{a} {b}");
+        check(cone, [9.0, 0.3, 7.0], [9.0, 0.15, 0.2]);
     }
 }
