@@ -5,10 +5,10 @@ use crate::surfaces::{self, Made, SurfaceOptions};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::clock::StageClock;
 use curvlay_layers::ProgressFn;
-use curvlay_layers::curved::surface::{LayerField, SavedField};
+use curvlay_layers::curved::surface::{LayerField, SavedField, UniformField};
 use curvlay_layers::curved::{
-    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayerSurfaces, LayeredPart, LayersBy, NoSupport, PartSupport,
-    PlannedSurfaces, SupportCells, Workpiece, audit_with_nozzle,
+    AuditReport, Growth, JudgedByNozzle, LayerOptions, LayerSurfaces, LayeredPart, LayersBy, NoSupport, PartOrder,
+    PartSupport, PlannedSurfaces, SupportCells, Workpiece, audit_with_nozzle,
 };
 
 /// How far apart surfaces are, in millimetres: as layers, or farther where no more than so many are made of a growth of this length.
@@ -32,6 +32,25 @@ fn picked(
         None => 0..planned.len(),
     };
     planned.make(range, progress).map_err(|error| surfaces::failed(error, part))
+}
+
+/// The field of an order, and its surfaces of the layers that were picked.
+fn picked_of(
+    order: &PartOrder,
+    options: &LayerOptions,
+    surfaces: &SurfaceOptions,
+    workpiece: &Workpiece,
+    part: &Part,
+    progress: ProgressFn,
+) -> Result<(UniformField, Surfaces), Failure> {
+    let failed = |error| surfaces::failed(error, part);
+    let uniform = workpiece.field_of(order, options, progress).map_err(failed)?;
+    let (cells, missed) = (order.united(&workpiece.cells).map_err(failure)?, order.final_growth().missed_cells());
+    let (support, height_mm) = (order.support_cells(), options.height_mm.unwrap_or(workpiece.cell_mm));
+    let planned = PlannedSurfaces::new(workpiece, &uniform.field, cells.rows(), support, &missed, height_mm, progress)
+        .map_err(failed)?;
+    let made = picked(&planned, surfaces, part, progress)?;
+    Ok((uniform, made))
 }
 
 /// An order of the cells.
@@ -142,20 +161,14 @@ impl Ordered {
             let asked_mm = apart_mm(options, surfaces, cell_mm, cells * cell_mm);
             let made = LayerOptions { height_mm: Some(asked_mm), ..*options };
             // Which field is more coherent shows only in all surfaces.
-            ordered.made = Some(if surfaces.layers.is_some() && !options.coherent {
-                let uniform = workpiece.field_of(&order, &made, progress).map_err(failed)?;
-                let (cells, missed) = (order.united(&workpiece.cells).map_err(failure)?, ordered.growth.missed_cells());
-                let (field, support) = (&uniform.field, order.support_cells());
-                let planned =
-                    PlannedSurfaces::new(workpiece, field, cells.rows(), support, &missed, asked_mm, progress)
-                        .map_err(failed)?;
-                let layers = picked(&planned, surfaces, part, progress)?;
-                Made::of(uniform, layers, &ordered.growth, options.rule, asked_mm)
+            let (uniform, layers) = if surfaces.layers.is_some() && !options.coherent {
+                picked_of(&order, &made, surfaces, workpiece, part, progress)?
             } else {
-                let LayeredPart { growth, uniform, surfaces, support, .. } =
+                let LayeredPart { uniform, surfaces, support, .. } =
                     workpiece.layers_of(order, &made, progress).map_err(failed)?;
-                Made::of(uniform, (surfaces, support), &growth, options.rule, asked_mm)
-            });
+                (uniform, (surfaces, support))
+            };
+            ordered.made = Some(Made::of(uniform, layers, &ordered.growth, options.rule, asked_mm));
         }
         Ok(ordered)
     }

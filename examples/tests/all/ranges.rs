@@ -246,6 +246,12 @@ fn a_part_is_laid_in_its_best_pose() {
     let output = run(&["--mesh", &turned, "--resume", &field, "--stage", "surfaces", "--out", &path("again")]);
     assert_eq!(output.status.code(), Some(0), "{}", line(&output));
     assert_eq!(fs::read(place.join("again/layers.obj")).unwrap(), layers);
+    // The first piece saves the part as it was turned, too.
+    let piece = ["--cell", "2", "--layers", "1/2", "--mesh", &mesh, "--out", &path("piece")];
+    assert_eq!(run(&[&piece[..], &best].concat()).status.code(), Some(0));
+    for file in ["field.txt", "oriented.obj"] {
+        assert!(fs::read(place.join("piece").join(file)).unwrap() == fs::read(place.join("best").join(file)).unwrap());
+    }
 
     let output = run(&[&common_args[..], &["--orient-directions", "12", "--out", &path("best")]].concat());
     assert_eq!(
