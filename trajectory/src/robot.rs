@@ -58,3 +58,22 @@ pub trait Robot<const N: usize, const F: usize>: Sync {
     /// The solution on one branch with its derivatives; `None` out of reach and where there is no derivative.
     fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>>;
 }
+
+/// So that a planner takes any robot and is compiled once: of `robot: &R` a `&robot` is a `&dyn Robot`.
+impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for &R {
+    fn waypoints(&self) -> usize {
+        (**self).waypoints()
+    }
+
+    fn free(&self) -> [FreeRange; F] {
+        (**self).free()
+    }
+
+    fn solutions(&self, waypoint: usize, free: &[f64; F], each: &mut dyn FnMut(u32, [f64; N])) {
+        (**self).solutions(waypoint, free, each);
+    }
+
+    fn posture(&self, waypoint: usize, free: &[f64; F], branch: u32) -> Option<Posture<N, F>> {
+        (**self).posture(waypoint, free, branch)
+    }
+}

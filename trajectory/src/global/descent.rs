@@ -60,8 +60,8 @@ impl Merit {
 }
 
 /// The search at one point.
-pub(super) struct Descent<'a, R: ?Sized, const N: usize, const F: usize> {
-    pub robot: &'a R,
+pub(super) struct Descent<'a, const N: usize, const F: usize> {
+    pub robot: &'a dyn Robot<N, F>,
     pub branches: &'a [u32],
     pub near_singular: f64,
     pub point: Point<N, F>,
@@ -83,9 +83,9 @@ pub(super) enum Round<const N: usize, const F: usize> {
     Stuck,
 }
 
-impl<'a, R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Descent<'a, R, N, F> {
+impl<'a, const N: usize, const F: usize> Descent<'a, N, F> {
     pub fn new(
-        robot: &'a R,
+        robot: &'a dyn Robot<N, F>,
         branches: &'a [u32],
         near_singular: f64,
         point: Point<N, F>,

@@ -25,8 +25,8 @@ const MAX_WINDOW: usize = 400;
 
 /// The free parameters of all waypoints with other ways around the `missed` ones; `None` where no parameter is an
 /// angle, or too much is missed, or no way is found.
-pub(super) fn detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    robot: &R,
+pub(super) fn detour<const N: usize, const F: usize>(
+    robot: &dyn Robot<N, F>,
     branches: &[u32],
     line: &Timeline,
     bounds: &Bounds<N>,
@@ -77,8 +77,8 @@ fn windows(missed: &[usize], count: usize) -> Vec<Range<usize>> {
 }
 
 /// The samples of a waypoint on its branch; without an angle only the present one.
-fn nodes<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    robot: &R,
+fn nodes<const N: usize, const F: usize>(
+    robot: &dyn Robot<N, F>,
     waypoint: usize,
     branch: u32,
     present: &[f64; F],

@@ -74,7 +74,7 @@ pub fn smooth_globally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     options: &GlobalOptions,
     progress: ProgressFn<'_>,
 ) -> Result<GlobalMotion<N, F>, GlobalError> {
-    smooth(robot, line, start, bounds, options, None, progress)
+    smooth(&robot, line, start, bounds, options, None, progress)
 }
 
 /// Smooths a path as a whole, and keeps clear of what an indicator predicts.
@@ -131,11 +131,11 @@ pub fn smooth_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     if !(avoid.price.is_finite() && avoid.price > 0.0) {
         return Err(GlobalError::Option { what: "price", value: avoid.price, must: "finite and above 0" });
     }
-    smooth(robot, line, start, bounds, options, Some(*avoid), progress)
+    smooth(&robot, line, start, bounds, options, Some(*avoid), progress)
 }
 
-fn smooth<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    robot: &R,
+fn smooth<const N: usize, const F: usize>(
+    robot: &dyn Robot<N, F>,
     line: &Timeline,
     start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,

@@ -16,7 +16,6 @@ use super::detour::detour;
 use super::model::Model;
 use super::options::{GlobalError, GlobalOptions, MAX_STUCK};
 use super::point::Point;
-use crate::Robot;
 use crate::qp::QpStatus;
 
 /// Bounds that a higher price brings nearer by less than to this share cannot be met.
@@ -61,8 +60,8 @@ pub(super) struct FirstPass {
 }
 
 /// Runs it, and leaves the descent at its end.
-pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    descent: &mut Descent<'_, R, N, F>,
+pub(super) fn smooth_first<const N: usize, const F: usize>(
+    descent: &mut Descent<'_, N, F>,
     model: &mut Model<'_, N, F>,
     options: &GlobalOptions,
     avoid: Option<Avoid<'_, N>>,
@@ -87,8 +86,8 @@ pub(super) fn smooth_first<const N: usize, const F: usize, R: Robot<N, F> + ?Siz
 }
 
 /// The pass from where the descent is, with this price of bounds at first.
-fn smooth_from<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    descent: &mut Descent<'_, R, N, F>,
+fn smooth_from<const N: usize, const F: usize>(
+    descent: &mut Descent<'_, N, F>,
     model: &mut Model<'_, N, F>,
     penalty: f64,
     options: &GlobalOptions,
@@ -131,8 +130,8 @@ enum Phase {
 }
 
 /// The search of a pass.
-struct Search<'s, 'd, 'm, R: ?Sized, const N: usize, const F: usize> {
-    descent: &'s mut Descent<'d, R, N, F>,
+struct Search<'s, 'd, 'm, const N: usize, const F: usize> {
+    descent: &'s mut Descent<'d, N, F>,
     model: &'s mut Model<'m, N, F>,
     options: &'s GlobalOptions,
     avoid: Option<Avoid<'s, N>>,
@@ -155,7 +154,7 @@ struct Search<'s, 'd, 'm, R: ?Sized, const N: usize, const F: usize> {
     hurries_from: usize,
 }
 
-impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_, R, N, F> {
+impl<const N: usize, const F: usize> Search<'_, '_, '_, N, F> {
     fn run(
         mut self,
         report: &dyn Fn(&'static str, usize) -> Result<(), GlobalError>,
@@ -312,8 +311,8 @@ impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Search<'_, '_, '_,
 }
 
 /// Puts the descent on another way around what is missed, if there is one; returns where it was.
-fn try_detour<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    descent: &mut Descent<'_, R, N, F>,
+fn try_detour<const N: usize, const F: usize>(
+    descent: &mut Descent<'_, N, F>,
     model: &mut Model<'_, N, F>,
 ) -> Option<(Point<N, F>, Merit)> {
     let missed = model.missed(&descent.point);

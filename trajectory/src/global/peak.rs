@@ -15,7 +15,7 @@ use super::motion::PeakReport;
 use super::options::{GlobalError, GlobalOptions, MAX_STUCK};
 use super::point::Point;
 use crate::qp::QpStatus;
-use crate::{Bounds, FreeRange, Robot, Timeline, jerk_measure};
+use crate::{Bounds, FreeRange, Timeline, jerk_measure};
 
 /// The price rises or falls by at most this factor in a round.
 const PRICE_STEP: f64 = 8.0;
@@ -43,8 +43,8 @@ const RISE_RESERVE: f64 = 0.002;
 
 /// Lowers the peak of the descent's point, within the rise that is allowed. Returns the report, the rounds used,
 /// and whether it came to rest.
-pub(super) fn lower_peak<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    descent: &mut Descent<'_, R, N, F>,
+pub(super) fn lower_peak<const N: usize, const F: usize>(
+    descent: &mut Descent<'_, N, F>,
     (bounds, ranges, tightened): (&Bounds<N>, [FreeRange; F], f64),
     line: &Timeline,
     options: &GlobalOptions,

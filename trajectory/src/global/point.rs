@@ -58,8 +58,8 @@ pub(super) struct Point<const N: usize, const F: usize> {
 impl<const N: usize, const F: usize> Point<N, F> {
     /// The waypoints at given parameters, unwrapped along the path from the first node's image. Joints that leave their
     /// bounds are turned by whole turns towards the middle. Knots of run-in and run-out stand still.
-    pub fn start<R: Robot<N, F> + ?Sized>(
-        robot: &R,
+    pub fn start(
+        robot: &dyn Robot<N, F>,
         line: &Timeline,
         branches: &[u32],
         nodes: &[LadderNode<N, F>],
@@ -107,9 +107,9 @@ impl<const N: usize, const F: usize> Point<N, F> {
     }
 
     /// Evaluates one waypoint at its parameters; joints are the images nearest to `like`.
-    fn place<R: Robot<N, F> + ?Sized>(
+    fn place(
         &mut self,
-        robot: &R,
+        robot: &dyn Robot<N, F>,
         branches: &[u32],
         run: usize,
         waypoint: usize,
@@ -138,9 +138,9 @@ impl<const N: usize, const F: usize> Point<N, F> {
     ///
     /// Where `dq/dfree` is longer than `near_singular`, the straight line is followed in the joints and then projected back:
     /// the parameters are those at which the joints come nearest to it on the same branch.
-    pub fn moved<R: Robot<N, F> + ?Sized>(
+    pub fn moved(
         &self,
-        robot: &R,
+        robot: &dyn Robot<N, F>,
         line: &Timeline,
         branches: &[u32],
         (steps, run_steps): (&[[f64; F]], &[[f64; N]]),
@@ -180,9 +180,9 @@ impl<const N: usize, const F: usize> Point<N, F> {
     }
 
     /// The path with these free parameters, in the image of this one's first waypoint; `None` out of reach.
-    pub fn with_free<R: Robot<N, F> + ?Sized>(
+    pub fn with_free(
         &self,
-        robot: &R,
+        robot: &dyn Robot<N, F>,
         line: &Timeline,
         branches: &[u32],
         free: &[[f64; F]],
@@ -196,10 +196,10 @@ impl<const N: usize, const F: usize> Point<N, F> {
 
     /// Brings a near_singular waypoint of `next` as near to `aim` as its branch allows, by Gauss-Newton with halved steps from
     /// where it was. It never ends farther from the aim than it began.
-    fn project<R: Robot<N, F> + ?Sized>(
+    fn project(
         &self,
         next: &mut Self,
-        robot: &R,
+        robot: &dyn Robot<N, F>,
         branches: &[u32],
         (run, waypoint): (usize, usize),
         aim: &[f64; N],

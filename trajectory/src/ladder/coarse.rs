@@ -82,15 +82,15 @@ impl<const N: usize, const F: usize> Default for Known<N, F> {
 }
 
 /// A robot that solves every sample once, on the branches of the guide, and gives the image of each joint next to it.
-struct Kept<'a, const N: usize, const F: usize, R: ?Sized> {
-    robot: &'a R,
+struct Kept<'a, const N: usize, const F: usize> {
+    robot: &'a dyn Robot<N, F>,
     guide: &'a Guide<N, F>,
     bounds: &'a Bounds<N>,
     kinds: [Kind; N],
     known: Vec<Mutex<Known<N, F>>>,
 }
 
-impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
+impl<const N: usize, const F: usize> Kept<'_, N, F> {
     /// The image of a solution next to the guide, if it is within the stops.
     fn image(&self, waypoint: usize, mut joints: [f64; N]) -> Option<[f64; N]> {
         for j in (0..N).filter(|&j| self.kinds[j] == Kind::AsGiven) {
@@ -105,7 +105,7 @@ impl<const N: usize, const F: usize, R: ?Sized> Kept<'_, N, F, R> {
     }
 }
 
-impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Robot<N, F> for Kept<'_, N, F, R> {
+impl<const N: usize, const F: usize> Robot<N, F> for Kept<'_, N, F> {
     fn waypoints(&self) -> usize {
         self.robot.waypoints()
     }
@@ -140,8 +140,8 @@ pub(super) fn thins_out<const F: usize>(samples: [u32; F]) -> bool {
 }
 
 /// A path near a coarse one. The coarse one finds its way between the stops; finer ones keep to its images.
-pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    plan: &Plan<'_, N, F, R>,
+pub(super) fn search<const N: usize, const F: usize>(
+    plan: &Plan<'_, N, F>,
     samples: [u32; F],
 ) -> Result<Path<N, F>, Stuck> {
     let waypoints = plan.times.len();
@@ -165,8 +165,8 @@ pub(super) fn search<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 }
 
 /// The path with more samples about it: twice as many, those it was found with among them. It breaks off where it did.
-pub(super) fn refine<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    plan: &Plan<'_, N, F, R>,
+pub(super) fn refine<const N: usize, const F: usize>(
+    plan: &Plan<'_, N, F>,
     path: &mut Path<N, F>,
     samples: &mut [u32; F],
 ) -> Result<(), Stuck> {
@@ -188,8 +188,8 @@ pub(super) fn refine<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 }
 
 /// A path through some waypoints, with as many samples as it takes to reach them all.
-fn coarse<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    plan: &Plan<'_, N, F, R>,
+fn coarse<const N: usize, const F: usize>(
+    plan: &Plan<'_, N, F>,
     passed: &[usize],
     samples: [u32; F],
 ) -> Result<Path<N, F>, Stuck> {
@@ -282,8 +282,8 @@ impl<const F: usize> Windows<F> for Bands<F> {
 }
 
 /// A path through the waypoints `passed` near a guide.
-fn follow<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    plan: &Plan<'_, N, F, R>,
+fn follow<const N: usize, const F: usize>(
+    plan: &Plan<'_, N, F>,
     passed: &[usize],
     samples: [u32; F],
     guide: &Guide<N, F>,

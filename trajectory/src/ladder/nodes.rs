@@ -144,9 +144,9 @@ pub(super) struct Nodes<const N: usize> {
 
 impl<const N: usize> Nodes<N> {
     /// Fills in the nodes of a waypoint; at most `most`.
-    pub fn fill<const F: usize, R: Robot<N, F> + ?Sized>(
+    pub fn fill<const F: usize>(
         &mut self,
-        robot: &R,
+        robot: &dyn Robot<N, F>,
         waypoint: usize,
         window: &Window<F>,
         kinds: &[Kind; N],

@@ -10,15 +10,15 @@ use crate::{Bounds, ProgressFn};
 use std::f64::consts::TAU;
 
 /// What stays while samples are doubled.
-pub(super) struct Plan<'a, const N: usize, const F: usize, R: ?Sized> {
-    pub(super) robot: &'a R,
+pub(super) struct Plan<'a, const N: usize, const F: usize> {
+    pub(super) robot: &'a dyn Robot<N, F>,
     pub(super) times: &'a [f64],
     pub(super) bounds: &'a Bounds<N>,
     pub(super) options: &'a LadderOptions<N, F>,
     pub(super) progress: ProgressFn<'a>,
 }
 
-impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Plan<'_, N, F, R> {
+impl<const N: usize, const F: usize> Plan<'_, N, F> {
     /// The shortest path through these waypoints over all samples, within the stops.
     pub(super) fn within_stops(
         &self,

@@ -54,7 +54,7 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     progress: ProgressFn<'_>,
 ) -> Result<Ladder<N, F>, LadderError> {
     check(robot.waypoints(), times, bounds, options)?;
-    let plan = Plan { robot, times, bounds, options, progress };
+    let plan = Plan { robot: &robot, times, bounds, options, progress };
     let range = robot.free();
     let different = |samples: [u32; F]| std::array::from_fn(|f| range[f].samples(samples[f]));
     let mut samples = different(options.samples);
@@ -78,7 +78,7 @@ pub fn plan_ladder<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     unreachable!("the last doubling returns")
 }
 
-impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Plan<'_, N, F, R> {
+impl<const N: usize, const F: usize> Plan<'_, N, F> {
     /// The ladder of a path with these samples, and with more about it.
     fn refined(&self, mut path: Path<N, F>, mut samples: [u32; F]) -> Result<Ladder<N, F>, LadderError> {
         for _ in 0..self.options.refinements {

@@ -56,8 +56,8 @@ impl<const F: usize> Windows<F> for Window<F> {
 }
 
 /// What is searched.
-pub(super) struct Search<'a, const N: usize, const F: usize, R: ?Sized> {
-    pub robot: &'a R,
+pub(super) struct Search<'a, const N: usize, const F: usize> {
+    pub robot: &'a dyn Robot<N, F>,
     /// The waypoints to go through.
     pub waypoints: &'a [usize],
     /// Times of all waypoints of the robot.
@@ -127,7 +127,7 @@ impl<const N: usize> Front<N> {
     }
 }
 
-impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Search<'_, N, F, R> {
+impl<const N: usize, const F: usize> Search<'_, N, F> {
     /// Finds a path through the samples of `windows`.
     pub fn run(&self, windows: &mut dyn Windows<F>) -> Result<Path<N, F>, Stuck> {
         let mut front = Front::<N> { recent: VecDeque::new(), before: Nodes::default(), by: [0, 0] };

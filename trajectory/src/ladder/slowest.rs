@@ -127,7 +127,7 @@ pub fn min_speed<const N: usize, R: Robot<N, 1> + ?Sized>(
         FreeRange::Within(from, to) => (from, to - from),
     };
     let kinds = Kind::of(bounds, &[false; N]);
-    let cut = Cut { robot, kinds, velocity: bounds.velocity };
+    let cut = Cut { robot: &robot, kinds, velocity: bounds.velocity };
     let mut count = FIRST.min(samples);
     let mut segment = Segment {
         times: &times[waypoints.clone()],
@@ -163,7 +163,7 @@ struct Segment<'a, const N: usize> {
 
 impl<const N: usize> Segment<'_, N> {
     /// Bounds the speed from below and above. Where the bound is above the limits already, only the bottleneck is left to look at.
-    fn bound<R: Robot<N, 1> + ?Sized>(&mut self, cut: &Cut<'_, N, R>, found: &mut MinSpeed) {
+    fn bound(&mut self, cut: &Cut<'_, N>, found: &mut MinSpeed) {
         cut.propagate(&mut self.columns, self.times, found.reached, true);
         self.columns.iter_mut().flatten().for_each(|cell| cell.back = cell.least);
         let ahead = cut.propagate(&mut self.columns, self.times, found.reached, false);
@@ -190,7 +190,7 @@ impl<const N: usize> Segment<'_, N> {
     }
 
     /// Halves all cells; `width` is that of a half.
-    fn halve<R: Robot<N, 1> + ?Sized>(&mut self, cut: &Cut<'_, N, R>, width: f64) {
+    fn halve(&mut self, cut: &Cut<'_, N>, width: f64) {
         for (waypoint, cells) in (self.first..).zip(&mut self.columns) {
             let halves = |cell: &Cell<N>| [0.0, 1.0].map(|second| (cell.branch, cell.from + second * width));
             let parts: Vec<(u32, f64)> = cells.iter().flat_map(halves).collect();
@@ -201,13 +201,13 @@ impl<const N: usize> Segment<'_, N> {
 }
 
 /// What stays while cells are halved.
-struct Cut<'a, const N: usize, R: ?Sized> {
-    robot: &'a R,
+struct Cut<'a, const N: usize> {
+    robot: &'a dyn Robot<N, 1>,
     kinds: [Kind; N],
     velocity: [f64; N],
 }
 
-impl<const N: usize, R: Robot<N, 1> + ?Sized> Cut<'_, N, R> {
+impl<const N: usize> Cut<'_, N> {
     /// The cells of waypoints, `count` of them a range.
     fn columns(
         &self,

@@ -60,5 +60,5 @@ pub fn filter_clear_of<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     if !clear.clear.is_finite() {
         return Err(FilterError::Clear(clear.clear));
     }
-    filter(robot, times, start, (bounds, Some(*clear)), options, progress)
+    filter(&robot, times, start, (bounds, Some(*clear)), options, progress)
 }

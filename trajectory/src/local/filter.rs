@@ -58,12 +58,12 @@ pub fn filter_locally<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     options: &FilterOptions<N>,
     progress: ProgressFn<'_>,
 ) -> Result<Filtered<N, F>, FilterError> {
-    filter(robot, times, start, (bounds, None), options, progress)
+    filter(&robot, times, start, (bounds, None), options, progress)
 }
 
 /// Algorithm 6, with or without something to keep clear of.
-pub(super) fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    robot: &R,
+pub(super) fn filter<const N: usize, const F: usize>(
+    robot: &dyn Robot<N, F>,
     times: &[f64],
     start: &[LadderNode<N, F>],
     (bounds, clear): (&Bounds<N>, Option<ClearOf<'_, N>>),
@@ -113,8 +113,8 @@ pub(super) fn filter<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 
 /// Minimises in windows about a waypoint, each wider than the one before, until one succeeds. Returns the last margin, and whether it did. A
 /// window that succeeds frees its waypoints, since their neighbours have changed; the widest that fails locks them.
-fn minimise_about<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    filter: &Filter<'_, N, F, R>,
+fn minimise_about<const N: usize, const F: usize>(
+    filter: &Filter<'_, N, F>,
     motion: &mut Motion<N, F>,
     locked: &mut [bool],
     middle: usize,
@@ -139,10 +139,7 @@ fn minimise_about<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 }
 
 /// The greatest jerk of each joint at the waypoints that have a stencil.
-fn max_jerk<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    filter: &Filter<'_, N, F, R>,
-    motion: &Motion<N, F>,
-) -> [f64; N] {
+fn max_jerk<const N: usize, const F: usize>(filter: &Filter<'_, N, F>, motion: &Motion<N, F>) -> [f64; N] {
     let mut most = [0.0f64; N];
     for waypoint in 2..motion.postures.len() - 2 {
         let jerk = filter.derivative(&motion.postures, waypoint, 3);
@@ -152,8 +149,8 @@ fn max_jerk<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
 }
 
 /// The free waypoint with the largest jerk of those that have more than they may, and whether any has.
-fn worst<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    filter: &Filter<'_, N, F, R>,
+fn worst<const N: usize, const F: usize>(
+    filter: &Filter<'_, N, F>,
     motion: &Motion<N, F>,
     locked: &[bool],
 ) -> (Option<usize>, bool) {
@@ -173,8 +170,8 @@ fn worst<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     found
 }
 
-fn check<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
-    robot: &R,
+fn check<const N: usize, const F: usize>(
+    robot: &dyn Robot<N, F>,
     times: &[f64],
     start: &[LadderNode<N, F>],
     bounds: &Bounds<N>,

@@ -40,8 +40,8 @@ pub(super) struct Motion<const N: usize, const F: usize> {
 }
 
 /// What stays from window to window.
-pub(super) struct Filter<'a, const N: usize, const F: usize, R: ?Sized> {
-    pub robot: &'a R,
+pub(super) struct Filter<'a, const N: usize, const F: usize> {
+    pub robot: &'a dyn Robot<N, F>,
     pub bounds: &'a Bounds<N>,
     pub weights: [f64; N],
     /// Of waypoints `2..M - 2`, the first being that of waypoint 2.
@@ -53,7 +53,7 @@ pub(super) struct Filter<'a, const N: usize, const F: usize, R: ?Sized> {
     pub clear: Option<ClearOf<'a, N>>,
 }
 
-impl<const N: usize, const F: usize, R: Robot<N, F> + ?Sized> Filter<'_, N, F, R> {
+impl<const N: usize, const F: usize> Filter<'_, N, F> {
     /// A derivative of order 1 to 3 at a waypoint with a whole stencil.
     pub fn derivative(&self, postures: &[Posture<N, F>], waypoint: usize, order: usize) -> [f64; N] {
         let (weights, first) = (&self.stencils[waypoint - 2][order - 1], waypoint - 2);

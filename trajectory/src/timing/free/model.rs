@@ -37,7 +37,7 @@ pub(super) struct Point<const N: usize, const F: usize> {
 impl<const N: usize, const F: usize> Point<N, F> {
     /// The waypoints at the parameters of these nodes, on the images of the nodes' joints; steps are unknown yet.
     /// Otherwise the waypoint where the robot cannot be.
-    pub fn start<R: Robot<N, F> + ?Sized>(robot: &R, nodes: &[LadderNode<N, F>]) -> Result<Self, usize> {
+    pub fn start(robot: &dyn Robot<N, F>, nodes: &[LadderNode<N, F>]) -> Result<Self, usize> {
         let mut point = Point {
             free: nodes.iter().map(|node| node.free).collect(),
             joints: nodes.iter().map(|node| node.joints).collect(),
@@ -55,7 +55,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
     }
 
     /// Evaluates a waypoint; joints are the images nearest to `like`. False where the robot cannot be there.
-    fn place<R: Robot<N, F> + ?Sized>(&mut self, robot: &R, waypoint: usize, branch: u32, like: &[f64; N]) -> bool {
+    fn place(&mut self, robot: &dyn Robot<N, F>, waypoint: usize, branch: u32, like: &[f64; N]) -> bool {
         let Some(posture) = robot.posture(waypoint, &self.free[waypoint], branch) else { return false };
         let mut joints = posture.joints;
         for (joint, like) in joints.iter_mut().zip(like) {
@@ -75,9 +75,9 @@ impl<const N: usize, const F: usize> Point<N, F> {
 
     /// A step away, or the waypoints where the robot cannot be then. `x`: for each waypoint the steps of the free
     /// parameters, and the relative change of the time to the next waypoint.
-    pub fn moved<R: Robot<N, F> + ?Sized>(
+    pub fn moved(
         &self,
-        robot: &R,
+        robot: &dyn Robot<N, F>,
         nodes: &[LadderNode<N, F>],
         ranges: &[FreeRange; F],
         x: &[f64],

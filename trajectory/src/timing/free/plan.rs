@@ -85,11 +85,11 @@ pub fn time_path_free<const N: usize, const F: usize, R: Robot<N, F> + ?Sized>(
     let ranges = robot.free();
     check(robot.waypoints(), start, &ranges, options)?;
     bounds.check().map_err(TimePathError::from)?;
-    let point = Point::start(robot, start)
+    let point = Point::start(&robot, start)
         .map_err(|waypoint| TimeFreeError::Start { waypoint, branch: start[waypoint].branch })?;
     let motion = time_path(&point.joints, planned, max_pace, flow, bounds, &options.timing, progress)?;
     let start_duration = motion.duration();
-    let task = Task { robot, start, ranges, planned, max_pace, flow, bounds, options };
+    let task = Task { robot: &robot, start, ranges, planned, max_pace, flow, bounds, options };
     let mut search = Search::new(&task, point.clone(), &motion);
     let status = search.run(&task, progress)?;
     let (rounds, gain) = (search.rounds, search.gain);

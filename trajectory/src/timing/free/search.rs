@@ -37,8 +37,8 @@ const SHORTER: f64 = 0.3;
 const MIN_STEP_SHARE: f64 = 1e-2;
 
 /// What is asked.
-pub(super) struct Task<'a, R: ?Sized, const N: usize, const F: usize> {
-    pub robot: &'a R,
+pub(super) struct Task<'a, const N: usize, const F: usize> {
+    pub robot: &'a dyn Robot<N, F>,
     pub start: &'a [LadderNode<N, F>],
     pub ranges: [FreeRange; F],
     pub planned: &'a [f64],
@@ -48,7 +48,7 @@ pub(super) struct Task<'a, R: ?Sized, const N: usize, const F: usize> {
     pub options: &'a TimeFreeOptions,
 }
 
-impl<R: Robot<N, F> + ?Sized, const N: usize, const F: usize> Task<'_, R, N, F> {
+impl<const N: usize, const F: usize> Task<'_, N, F> {
     /// The shortest time on a piece that pace and flow allow.
     fn shortest(&self, piece: usize) -> f64 {
         let mut pace = self.max_pace[piece];
@@ -135,11 +135,7 @@ pub(super) struct Search<const N: usize, const F: usize> {
 
 impl<const N: usize, const F: usize> Search<N, F> {
     /// From postures at the times of their timing.
-    pub fn new<R: Robot<N, F> + ?Sized>(
-        task: &Task<'_, R, N, F>,
-        mut point: Point<N, F>,
-        motion: &TimedMotion<N>,
-    ) -> Self {
+    pub fn new(task: &Task<'_, N, F>, mut point: Point<N, F>, motion: &TimedMotion<N>) -> Self {
         let times = motion.trajectory.times();
         point.steps = motion.knots.windows(2).map(|knots| times[knots[1]] - times[knots[0]]).collect();
         let mut search = Search {
@@ -155,17 +151,13 @@ impl<const N: usize, const F: usize> Search<N, F> {
     }
 
     /// The rows of the present point, and its duration.
-    fn look<R: Robot<N, F> + ?Sized>(&mut self, task: &Task<'_, R, N, F>) -> f64 {
+    fn look(&mut self, task: &Task<'_, N, F>) -> f64 {
         let TimeFreeOptions { max_step, jerk_weight, .. } = *task.options;
         self.point.rows(task.bounds, jerk_weight, max_step, &mut self.rows)
     }
 
     /// Rounds until one gains nothing.
-    pub fn run<R: Robot<N, F> + ?Sized>(
-        &mut self,
-        task: &Task<'_, R, N, F>,
-        progress: ProgressFn<'_>,
-    ) -> Result<TimeFreeStatus, TimeFreeError> {
+    pub fn run(&mut self, task: &Task<'_, N, F>, progress: ProgressFn<'_>) -> Result<TimeFreeStatus, TimeFreeError> {
         let options = task.options;
         // How far the joints of each waypoint may move.
         let mut reach = vec![options.max_step; task.start.len()];
@@ -216,7 +208,7 @@ impl<const N: usize, const F: usize> Search<N, F> {
     }
 
     /// The solution of the linearised program at the present point.
-    fn step<R: Robot<N, F> + ?Sized>(&self, task: &Task<'_, R, N, F>, reach: &[f64]) -> Vec<f64> {
+    fn step(&self, task: &Task<'_, N, F>, reach: &[f64]) -> Vec<f64> {
         let (point, stride, pieces) = (&self.point, F + 1, self.point.steps.len());
         let unknowns = (pieces + 1) * stride;
         let (mut linear, mut damping) = (vec![0.0; unknowns], vec![0.0; unknowns]);
