@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 built=${CARGO_TARGET_DIR:-target}/release/examples
-[ -n "${PROGRAM:-}" ] || cargo build --quiet --release --example curved_layers --example gallery
+[ -n "${PROGRAM:-}" ] && [ -n "${GALLERY:-}" ] || cargo build --quiet --release --example curved_layers --example gallery
 program=$(realpath "${PROGRAM:-$built/curved_layers}")
 gallery=$(realpath "${GALLERY:-$built/gallery}")
 docs=$PWD/docs/gallery.md

@@ -114,7 +114,7 @@ impl Canvas {
 }
 
 pub(super) fn to_rgb(colour: [f32; 3]) -> Rgb {
-    colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
+    colour.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8) // to the nearest: `round` is a call
 }
 
 pub(super) fn from_rgb(colour: Rgb) -> [f32; 3] {
