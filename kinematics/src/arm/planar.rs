@@ -143,3 +143,30 @@ pub(super) fn swing(x: f64, y: f64, lever: f64, angle: f64, first: f64, second: 
     let turn = if a.abs() <= b.abs() { a } else { b };
     turn.is_finite().then_some(turn)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// On its axis a shoulder turns as it likes, and the point lies neither before nor behind it.
+    #[test]
+    fn a_point_on_the_axis_leaves_the_turn_free() {
+        let [(turn, along), (opposite, back)] = shoulder(&Vector3::new(0.0, 0.0, 300.0), 0.0, 0.7).unwrap();
+        assert!((turn.angle - 0.7).abs() < 1e-15 && along.abs() < 1e-15 && back.abs() < 1e-15);
+        assert!((turn.cos + opposite.cos).abs() < 1e-15 && (turn.sin + opposite.sin).abs() < 1e-15);
+    }
+
+    /// A lever that swings turns just so far that its end is in reach; where no turn will do it says so.
+    #[test]
+    fn a_lever_swings_to_the_border_of_the_reach() {
+        let end = |x: f64, lever: f64, angle: f64| (x + lever * angle.cos()).hypot(lever * angle.sin());
+        // Two links of 3 and 2: reach from 1 to 5.
+        let turn = swing(5.5, 0.0, 1.0, 0.4, 3.0, 2.0).unwrap();
+        assert!(turn.abs() <= PI && (end(5.5, 1.0, 0.4 + turn) - 5.0).abs() < 1e-3, "{turn}");
+        let turn = swing(0.9, 0.0, 0.5, 2.0, 3.0, 2.0).unwrap();
+        assert!((end(0.9, 0.5, 2.0 + turn) - 1.0).abs() < 1e-3, "{turn}");
+        assert_eq!(swing(6.5, 0.0, 1.0, 0.4, 3.0, 2.0), None, "too far away");
+        assert_eq!(swing(0.3, 0.0, 0.2, 0.4, 3.0, 2.0), None, "too near");
+    }
+}

@@ -225,6 +225,7 @@ fn joint_2_of_a_coupled_arm_does_not_turn_the_forearm() {
         assert!(at.rotation.angle_to(&leaning.rotation) < 1e-7, "{name}");
         assert!((at.translation.vector - leaning.translation.vector).norm() > 100.0);
     }
+    assert!(["UR3", "IRB1200"].iter().all(|name| !arm(&robots::find(name).unwrap().model).is_coupled()));
     // Fanuc: joint 3 up lifts the forearm. ABB: joint 3 up lowers it.
     let height = |name: &str, j3: f64| arm(&robots::find(name).unwrap().model).forward(&[0.0, 0.0, j3, 0.0, 0.0, 0.0]);
     assert!(height("M20iA", 0.3).translation.z > height("M20iA", 0.0).translation.z + 100.0);

@@ -251,6 +251,10 @@ fn numbers_that_cannot_be_are_named() {
         assert_eq!(named(GrowingOptions { resolution_mm: wrong, ..good }), "resolution_mm");
         assert_eq!(named(GrowingOptions { fine_resolution_mm: wrong, ..good }), "fine_resolution_mm");
     }
+    // The least that may be: all as near as each other, nothing near, a micrometre fine.
+    let least =
+        GrowingOptions { clearances_mm: [0.0; 3], resolution_mm: 5.0, fine_resolution_mm: 2.0, near_mm: 0.0, ..good };
+    assert!(GrowingScene::new(&cell, &part, PLATE_MM, &least).is_ok());
     for wrong in [-1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(named(GrowingOptions { near_mm: wrong, ..good }), "near_mm");
         let margin = error(&part, PLATE_MM, GrowingOptions { margin_mm: wrong, ..good });

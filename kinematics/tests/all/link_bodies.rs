@@ -180,6 +180,23 @@ mod of_workcells {
         assert!(AnyWorkcell::new(model).is_err());
     }
 
+    /// Tubes from lengths are off by a share of one of them; an arm whose frame is above its foot stands on a tube from there.
+    #[test]
+    fn estimated_bodies_say_how_far_off_they_are() {
+        let mut model = calibrated(0.4);
+        model.arm.bodies = Some(BodiesModel::Estimated);
+        let cell = six(model.clone());
+        let found = cell.equipment().link_bodies().unwrap();
+        assert!(found.is_estimate && (found.error_mm - 0.46 * 85.35).abs() < 1e-9);
+        model.arm.geometry = ArmGeometry::Named("LRMate200iD".into());
+        let (cell, known) = (six(model), robots::find("LRMate200iD").unwrap());
+        let Geometry::Ortho(lengths) = known.model.geometry else { panic!("six axes at right angles") };
+        assert!((cell.equipment().link_bodies().unwrap().error_mm - 0.4 * lengths.c2.abs()).abs() < 1e-9);
+        let (below, scene) = (known.mount_below_base_mm, cell.equipment().scene(100.0));
+        let top = 0.45 * (lengths.c1 + below) - below;
+        assert_eq!(scene.links[0].shape, Shape::cylinder(0.3 * lengths.c2, -below, top));
+    }
+
     #[test]
     fn an_arm_without_bodies_is_refused_for_a_print() {
         let (cell, layers) = (six(calibrated(0.4)), [vec![0]]);

@@ -222,6 +222,15 @@ fn the_irb1200_of_the_file_is_the_one_made_by_hand() {
     assert_eq!(cell.equipment().scene(150.0), expected);
 }
 
+#[test]
+fn a_plate_with_corners_lies_about_the_middle_of_the_part() {
+    let mut model = model(UR10);
+    (model.plate.size_mm, model.plate.diameter_mm) = (Some([300.0, 200.0]), None);
+    let scene = six(model).equipment().scene(100.0);
+    let plate = scene.bodies.iter().find(|body| body.name == "plate").unwrap();
+    assert_eq!(plate.shape, Shape::block(Point3::new(-150.0, -100.0, -20.0), Point3::new(150.0, 100.0, 0.0)));
+}
+
 /// Every waypoint over the plate, up to 45 degrees aside, has a posture with nothing nearer than a centimetre but the nozzle
 /// itself, far from singularities.
 #[test]
@@ -708,9 +717,16 @@ fn an_arm_that_cannot_reach_is_refused() {
         reported.starts_with("nozzle.tip_mm: stretched out, the arm reaches 888.4 mm: with the 120.0 mm"),
         "{reported}"
     );
-    let mut away = model(UR10);
-    away.part.position_mm = [3000.0, 0.0, 0.0];
-    assert!(refused(away).starts_with("part: "));
+    // Its plate of 300 mm may lie so far away that only the near half is in reach.
+    let away = |x: f64| {
+        let mut away = model(UR10);
+        away.part.position_mm = [x, 0.0, 0.0];
+        away
+    };
+    let (stretched, refusal) = (1683.4 + 166.8, refused(away(3000.0)));
+    assert!(refusal.starts_with("part: stretched out, the arm reaches 1683.4 mm: with the 166.8 mm"), "{refusal}");
+    assert!(AnyWorkcell::new(away(stretched + 149.0)).is_ok());
+    assert!(refused(away(stretched + 151.0)).starts_with("part: "));
     let mut tiny = model(IRB1200);
     tiny.arm.geometry = irb1200_geometry(1e-3);
     assert!(refused(tiny).contains("were metres meant?"));

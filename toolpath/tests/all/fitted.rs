@@ -201,6 +201,16 @@ fn corridors_are_one_curve_without_crossing() {
     (0..24).for_each(corridors_are_sound);
 }
 
+/// A region whose curve is too short is left out: the test below had counted it among those that get one.
+#[test]
+fn a_region_may_be_too_short_for_a_curve() {
+    let hole: Vec<bool> = (0..16).map(|k| ![1, 3, 15].contains(&k)).collect();
+    let mesh = corridors(&hole, 230, 0.935_774_802_995_061_1);
+    let got = filled(&to_boundary(&mesh), 0.880_016_699_383_378_1, true);
+    assert_eq!((got.regions, got.paths.len(), got.short.len()), (2, 1, 1));
+    assert!(statistics(&mesh, &got).covered_fraction > 0.85);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
     #[test]
@@ -214,7 +224,8 @@ proptest! {
         let distance = to_boundary(&mesh);
         let got = filled(&distance, bead, true);
         // Where a region branches, rings may nowhere run side by side: then it gets one more curve (one in a hundred).
-        prop_assert!(got.regions <= got.paths.len() && got.paths.len() <= got.regions + 1);
+        let curves = got.paths.len() + got.short.len();
+        prop_assert!((got.regions..=got.regions + 1).contains(&curves), "{} {}", got.regions, curves);
         prop_assert!(in_range(&got, bead));
         let found = statistics(&mesh, &got);
         prop_assert!(found.covered_fraction > 0.85, "{:?}", found);

@@ -115,6 +115,14 @@ mod tests {
             shown.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9 || (a + b).abs() < 1e-9)
         };
         assert!(near(Maker::Abb, &[0.0, 0.0, 1.0, 0.0]));
+        // Of the two signs of a rotation, the one whose first number is above 0.
+        let both = |numbers: [f64; 4]| {
+            let [w, i, j, k] = numbers;
+            [1.0, -1.0].map(|sign| UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, i, j, k) * sign))
+        };
+        for numbers in [[0.5, -0.5, 0.5, -0.5], [0.0, 0.6, -0.8, 0.0]] {
+            assert!(both(numbers).iter().all(|rotation| Maker::Abb.shown(rotation).values == numbers));
+        }
         assert!(near(Maker::Kuka, &[180.0, 0.0, 180.0]));
         assert!(near(Maker::UniversalRobots, &[0.0, std::f64::consts::PI, 0.0]));
         let quarter = Maker::Staubli.shown(&about(Vector3::y(), 90.0)).values;
