@@ -2,7 +2,6 @@
 //!
 //! The triangles of a piece of a layer are nearly in one plane. Where that leans, the sides of a box around them are far from them, and the planes are near.
 
-use super::tree::rounded_up;
 use super::triangle::Triangle;
 use nalgebra::{Point3, Vector3};
 
@@ -41,6 +40,12 @@ impl Slab {
         let [middle, half] = [self.middle, self.half].map(f64::from);
         of_box.dot(&(along - normal * across).abs()) + across * middle + across.abs() * half
     }
+}
+
+/// The least `f32` that is no less.
+pub(super) fn rounded_up(value: f64) -> f32 {
+    let near = value as f32;
+    if f64::from(near) < value { near.next_up() } else { near }
 }
 
 #[cfg(test)]

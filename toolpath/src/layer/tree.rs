@@ -3,7 +3,7 @@
 //! Boxes are halved (`split`); the small ones know a slab around their triangles, too (`slab`). The *keys* of triangles (their layer, or a finer time at
 //! which they are built) are kept beside the tree, with their range in each box: other keys need no other tree.
 
-use super::slab::Slab;
+use super::slab::{Slab, rounded_up};
 use super::split::{Place, split};
 use super::triangle::Triangle;
 use crate::mesh::on_triangle;
@@ -274,12 +274,6 @@ fn arrange(triangles: &mut [Triangle], mut order: Vec<u32>) {
         }
         order[at] = at as u32;
     }
-}
-
-/// The least `f32` that is no less.
-pub(super) fn rounded_up(value: f64) -> f32 {
-    let near = value as f32;
-    if f64::from(near) < value { near.next_up() } else { near }
 }
 
 /// What a walk looks for.
