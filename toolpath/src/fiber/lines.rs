@@ -203,3 +203,30 @@ fn chains(points: &[SurfacePoint], links: &[[u32; 2]]) -> Vec<CentreLine> {
     }
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Crossings are joined around the corners; what a long row has more than both others together is left over, or an odd one.
+    #[test]
+    fn crossings_are_joined_around_the_corners() {
+        let matched = |counts: [u32; 3]| {
+            let first = [0, counts[0], counts[0] + counts[1]];
+            let edge = |k: usize| (first[k]..first[k] + counts[k]).map(|point| Crossing { point, up: true }).collect();
+            match_corners(&[0, 1, 2].map(edge))
+        };
+        assert_eq!(matched([1, 1, 0]), (vec![[0, 1]], vec![]));
+        assert_eq!(matched([5, 1, 0]), (vec![[4, 5]], vec![0, 1, 2, 3]));
+        assert_eq!(matched([2, 2, 2]), (vec![[1, 2], [3, 4], [5, 0]], vec![]));
+        for counts in [[4, 1, 1], [3, 2, 2], [1, 6, 3], [2, 3, 9], [0, 0, 4], [7, 7, 1]] {
+            let (pairs, left) = matched(counts);
+            let (sum, most) = (counts.iter().sum::<u32>(), *counts.iter().max().unwrap());
+            let over = if 2 * most > sum { 2 * most - sum } else { sum % 2 };
+            assert_eq!((pairs.len() as u32, left.len() as u32), ((sum - over) / 2, over), "{counts:?}");
+            let mut points: Vec<u32> = pairs.iter().flatten().chain(&left).copied().collect();
+            points.sort_unstable();
+            assert_eq!(points, (0..sum).collect::<Vec<_>>(), "{counts:?}");
+        }
+    }
+}

@@ -206,19 +206,26 @@ fn trace(mesh: &SurfaceMesh, points: &[Point3<f64>]) -> Vec<(u32, Point3<f64>)> 
             (at, last) = (found.at, Some(found.direction));
         }
     };
-    points[1..].iter().for_each(|target| go_to(target, &mut crossings));
+    let mut after = Vec::with_capacity(points.len());
+    for target in &points[1..] {
+        go_to(target, &mut crossings);
+        after.push(crossings.len());
+    }
     if is_closed(points) {
-        // On along the beginning, until the first edge is crossed again: an end on an edge lies on either side of it.
+        // On along the beginning, until an edge is crossed again. That need not be the first one: a start on an edge lies on either side of it, and one on
+        // a corner is passed on either side.
         let once = crossings.len();
-        for target in &points[1..] {
+        for (target, after) in points[1..].iter().zip(after) {
             go_to(target, &mut crossings);
-            let again =
-                crossings[once.min(crossings.len())..].iter().position(|c| Some(c.0) == crossings.first().map(|c| c.0));
-            if let Some(again) = again {
+            let (beginning, on) = (&crossings[..after], &crossings[once..]);
+            let again = |(k, first): (usize, &(u32, Point3<f64>))| Some((k, on.iter().position(|c| c.0 == first.0)?));
+            if let Some((first, again)) = beginning.iter().enumerate().find_map(again) {
                 crossings.truncate(once + again);
-                break;
+                crossings.drain(..first);
+                return crossings;
             }
         }
+        crossings.truncate(once);
         return crossings;
     }
     if let Some(direction) = last {

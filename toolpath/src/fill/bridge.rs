@@ -189,3 +189,36 @@ impl Bridges {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::SurfacePoint;
+
+    /// One segment of 40 mm over two beads across it, 10 and 28 mm from its start: 18 mm lie free, less what each carries.
+    #[test]
+    fn long_segments_bridge_from_bead_to_bead() {
+        let path = |from: [f64; 3], to: [f64; 3], kind: BeadKind| {
+            let point = |at: [f64; 3]| PathPoint {
+                at: SurfacePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0], position: Point3::from(at) },
+                width: 0.5,
+                kind,
+            };
+            SurfacePath { points: [from, to].map(point).to_vec(), closed: false, region: 0 }
+        };
+        let vertices = [[0.0, -5.0, 0.8], [40.0, -5.0, 0.8], [0.0, 5.0, 0.8]].map(Point3::from);
+        let surface = LayerSurface { vertices: &vertices, triangles: &[[0, 1, 2]], thickness: &[0.4], is_half: false };
+        let rows = [10.0, 28.0].map(|x| path([x, -5.0, 0.4], [x, 5.0, 0.4], BeadKind::Wall));
+        let below = Below::new(rows.iter().collect(), &surface, |_| true);
+        let mut bridges = Bridges::default();
+        bridges.add(&path([0.0, 0.0, 0.8], [40.0, 0.0, 0.8], BeadKind::Bridge), &surface, &below);
+        // A place is carried within 0.6 mm of a bead 0.4 mm below it: so far to each side. Places are an eighth of a millimetre apart.
+        let carried = 2.0 * (0.6_f64.powi(2) - 0.4_f64.powi(2)).sqrt();
+        assert!((bridges.longest_mm - (18.0 - carried)).abs() <= 0.25, "{bridges:?}");
+        assert!((bridges.length_mm - (40.0 - 2.0 * carried)).abs() <= 0.5, "{bridges:?}");
+        // What is no bridge counts for nothing.
+        let before = bridges;
+        bridges.add(&path([0.0, 0.0, 0.8], [40.0, 0.0, 0.8], BeadKind::Skin), &surface, &below);
+        assert_eq!(bridges, before);
+    }
+}

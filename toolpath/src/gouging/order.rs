@@ -258,3 +258,36 @@ fn starts(orders: &[Order]) -> Vec<Vec<u32>> {
     };
     orders.iter().map(|order| order.iter().map(&mut start).collect()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gouging::{NozzlePart, Obstacle};
+    use crate::orientation::Waypoint;
+    use crate::path::BeadKind;
+    use nalgebra::{Point3, Vector3};
+
+    /// Pieces that touch become one with the deepest gouge of both; others stay apart. They go from sample to sample.
+    #[test]
+    fn pieces_that_touch_become_one() {
+        let waypoint = |k: u32| Waypoint {
+            position: Point3::new(f64::from(k), 0.0, 0.4),
+            axis: Vector3::z_axis(),
+            width: 0.5,
+            height: 0.4,
+            arc: f64::from(k),
+            added: k == 11,
+            lift: Vector3::zeros(),
+            kind: BeadKind::Solid,
+        };
+        let path = ToolPath { layer: 0, curve: 0, closed: false, waypoints: (0..20).map(waypoint).collect() };
+        let gouge = |k: usize, depth: f64| {
+            let part = NozzlePart::Cone;
+            (k, Gouge { path: 0, waypoint: 0, obstacle: Obstacle::Plate, depth, part, own_layer: false })
+        };
+        let around = [gouge(2, 0.3), gouge(4, 0.5), gouge(12, 0.1), gouge(16, 0.2), gouge(17, 0.1)];
+        let found: Vec<_> =
+            pieces(&path, around.iter()).iter().map(|(from, to, worst)| (*from, *to, worst.waypoint)).collect();
+        assert_eq!(found, [(1, 5, 4), (10, 13, 12), (15, 18, 16)]);
+    }
+}

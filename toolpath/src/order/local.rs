@@ -171,3 +171,35 @@ impl Search<'_> {
         Ok(gained)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::way::ways;
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    /// Of what nearest neighbours and the order given lead to, the shorter; each is that at times.
+    #[test]
+    fn the_better_of_two_starts_is_taken() {
+        let (mut by_given, mut by_nearest) = (0, 0);
+        for seed in 0..60 {
+            let mut draw = Pcg64Mcg::seed_from_u64(seed);
+            let mut place = || Point3::from([0; 3].map(|_: i32| 10.0 * draw.random::<f64>()));
+            let points: Vec<[Point3<f64>; 2]> = (0..14).map(|_| [place(), place()]).collect();
+            let curves: Vec<TravelCurve> = points.iter().map(|points| TravelCurve { points, closed: false }).collect();
+            let choice: Vec<Vec<Way>> = curves.iter().zip(0..).map(|(curve, number)| ways(curve, number)).collect();
+            let (from, to) = (Some(place()), None);
+            let improved = |mut order: Vec<Way>| {
+                improve(&mut order, &curves, from, to, &|| Ok(())).unwrap();
+                length(&order, from, to)
+            };
+            let [given, near] = [choice.iter().map(|ways| ways[0]).collect(), nearest(&choice, from)].map(improved);
+            let found = length(&order(&choice, &curves, from, to, &|| Ok(())).unwrap(), from, to);
+            assert!((found - given.min(near)).abs() < 1e-9, "seed {seed}: {found} of {given} and {near}");
+            by_given += usize::from(given < near);
+            by_nearest += usize::from(near < given);
+        }
+        assert!(by_given > 5 && by_nearest > 5, "{by_given} {by_nearest}");
+    }
+}

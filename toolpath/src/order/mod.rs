@@ -205,3 +205,36 @@ fn check(layer: usize, curves: &[TravelCurve]) -> Result<(), OrderError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    /// Layers of many curves are made shorter between their neighbours; those of few have the shortest order already and stay.
+    #[test]
+    fn layers_of_many_curves_are_polished() {
+        let mut draw = Pcg64Mcg::seed_from_u64(1);
+        let mut place = || Point3::from([0; 3].map(|_: i32| 10.0 * draw.random::<f64>()));
+        let points: Vec<Vec<[Point3<f64>; 2]>> =
+            [30, 3, 40].map(|count| (0..count).map(|_| [place(), place()]).collect()).to_vec();
+        let curves: Vec<Vec<TravelCurve>> = points
+            .iter()
+            .map(|layer| layer.iter().map(|points| TravelCurve { points, closed: false }).collect())
+            .collect();
+        let choices: Vec<Vec<Vec<Way>>> = curves
+            .iter()
+            .map(|layer| layer.iter().zip(0..).map(|(curve, number)| ways(curve, number)).collect())
+            .collect();
+        assert_eq!([0, 1, 2].map(|k| exact::fits(&choices[k])), [false, true, false]);
+        let given: Vec<Vec<Way>> = choices.iter().map(|layer| layer.iter().map(|ways| ways[0]).collect()).collect();
+        let mut polished = given.clone();
+        polish(&mut polished, &choices, &curves, &|| Ok(())).unwrap();
+        assert_eq!(polished[1], given[1]);
+        // Four curves of five lie in another place, or turned.
+        let moved = |k: usize| polished[k].iter().zip(&given[k]).filter(|(now, then)| now != then).count();
+        assert!(moved(0) > 20 && moved(2) > 28, "{} {}", moved(0), moved(2));
+        assert!(total(&polished) < 0.6 * total(&given), "{} {}", total(&polished), total(&given));
+    }
+}

@@ -170,6 +170,15 @@ fn a_pinched_surface_has_its_point_twice() {
     assert!(bedded_surface(&top, &[[0, 2, 1]], 0, &paths, f64::NAN).0.is_empty());
 }
 
+/// A tape lies on beads and has beads on it: one without the other beds nothing.
+#[test]
+fn what_has_beads_on_one_side_alone_is_not_bedded() {
+    let plates = [0, 1].map(|layer| plate(layer, [0.0, 0.0], [10.0, 10.0]));
+    let top = [[2.0, 2.0], [8.0, 2.0], [5.0, 8.0]].map(|[x, y]| Point3::new(x, y, H));
+    let bedded = |paths: &[ToolPath]| bedded_surface(&top, &[[0, 1, 2]], 0, paths, H).1.len();
+    assert_eq!((bedded(&plates[0]), bedded(&plates[1]), bedded(&plates.concat())), (0, 0, 1));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     /// Beads and tapes anywhere: strands that a slow look at points finds bare are those that are reported.

@@ -251,6 +251,30 @@ fn lines_that_close_in_are_cut() {
     assert!(plan.cover.overlap_fraction > 0.0 && plan.cover.overlap_fraction < 0.01);
 }
 
+/// A ring has no ends: its tape goes all round once, turns as much everywhere, and is not beside itself where it closes; one that is far tighter
+/// than the least radius is left out. Wherever the guide begins: on a corner of the mesh, from where it was once followed twice, on an edge, or elsewhere.
+#[test]
+fn a_ring_is_a_tape_all_round() {
+    let mesh = strip([60, 60], 200.0, |_| 200.0, |x, y| flat(x - 100.0, y));
+    let options = TapeOptions { spacing: 200.0, ..TapeOptions::default() };
+    let laid = |radius: f64, begin: f64| {
+        let at = |k: usize| begin + TAU * (k % 120) as f64 / 120.0;
+        let ring = (0..=120).map(|k| flat(radius * at(k).cos(), radius * at(k).sin())).collect();
+        lay_tapes_along(&mesh, &[ring], &options, &go_on).unwrap()
+    };
+    for begin in [0.0, 0.01, 0.3, PI / 4.0, 3.0] {
+        let plan = laid(70.0, begin);
+        check_plan(&mesh, &plan, &options);
+        assert_eq!((plan.tapes.len(), plan.left_out.len()), (1, 0), "from {begin}: {:?}", plan.left_out);
+        assert!((plan.tape_mm() - TAU * 70.0).abs() < 2.0, "from {begin}: {}", plan.tape_mm());
+        let (least, most) = plan.radii[0].iter().fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(*r), b.max(*r)));
+        // A ring of chords, measured over a few of them.
+        assert!(least > 63.0 && most < 77.0, "from {begin}: {least} to {most}");
+        let tight = laid(30.0, begin);
+        assert!(tight.tapes.is_empty(), "from {begin}: {:?}", tight.radii);
+    }
+}
+
 #[test]
 fn covered_shares_are_those_of_all_samples() {
     let mesh = grid(20, 4, 0.5, |_, _| false, |p| Point3::new(2.0 * p.x, 2.0 * p.y, 0.0));

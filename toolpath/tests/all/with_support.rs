@@ -98,6 +98,11 @@ fn a_part_and_its_support_add_up() {
         assert!((totals.path_mm - of_part.path_mm - of_support.path_mm).abs() < 1e-6);
         assert!((totals.support_mm - of_support.path_mm).abs() < 1e-6);
         assert_eq!(totals.curves, of_part.curves + of_support.curves);
+        let counts =
+            |of: &Option<FilledLayer>| of.as_ref().map_or([0; 2], |layer| [layer.paths.regions, layer.paths.joints]);
+        for (both, (part, support)) in whole.layers.iter().zip(part.layers.iter().zip(&support.layers)) {
+            assert_eq!(counts(both), [0, 1].map(|k| counts(part)[k] + counts(support)[k]));
+        }
         let covered = [&layers.both, &layers.part, &layers.support].map(|sheets| surfaces(sheets));
         let [both, alone, beside] =
             [whole.covered_mm3(&covered[0]), part.covered_mm3(&covered[1]), support.covered_mm3(&covered[2])];
