@@ -148,21 +148,21 @@ impl Seeker<'_> {
     /// Nor any point of the sheets in a box, which are no higher than `top`. What nearly always decides is how high they are and how far out from the side of
     /// the cone, so these are bounded closely.
     pub fn least_in(&self, node: &Node, top: f64, sway: &Sway) -> f64 {
-        let (z, rho, out) = self.place(node.middle());
-        let offset = self.stand.offset(node.height());
+        let (z, rho, out) = self.place(node.middle);
+        let offset = self.stand.offset(node.height);
         let extent = Extent {
             up: top - offset - z,
-            down: node.half().dot(&self.direction.abs()),
+            down: node.half.dot(&self.direction.abs()),
             into_cone: node.reach(self.nozzle.inward_of_cone(&self.direction, &out)),
-            inward: node.half().dot(&out.abs()),
+            inward: node.half.dot(&out.abs()),
         };
         self.nozzle.least_around(z, rho, sway, &extent) - offset
     }
 
     /// How far the sheets in a box are above the tip, at most: their clearance is no less than the opposite.
     pub fn top(&self, node: &Node) -> f64 {
-        let middle = (node.middle() - self.stand.tip).dot(&self.direction);
-        middle + node.reach(self.direction) + self.stand.offset(node.height())
+        let middle = (node.middle - self.stand.tip).dot(&self.direction);
+        middle + node.reach(self.direction) + self.stand.offset(node.height)
     }
 
     /// The square of the distance of a point of a triangle to the boundary of its layer, if it is near.

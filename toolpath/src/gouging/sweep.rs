@@ -39,14 +39,14 @@ impl Sweeper<'_> {
 
     /// Whether no pose on the way comes near a box.
     fn clears_box(&self, node: &Node) -> bool {
-        let radius = node.half().norm() + self.at.stand.offset(node.height());
-        let sway = self.sway((node.middle() - self.at.stand.tip).norm() + radius);
+        let radius = node.half.norm() + self.at.stand.offset(node.height);
+        let sway = self.sway((node.middle - self.at.stand.tip).norm() + radius);
         // Most of what is built lies below the tip; most of the rest is so far away that a ball around it is clear.
         let top = self.at.top(node);
         if -top >= sway.along + sway.turned {
             return true;
         }
-        let (z, rho, _) = self.at.place(node.middle());
+        let (z, rho, _) = self.at.place(node.middle);
         let is_far = self.at.nozzle.clearance(z, rho) >= radius + sway.along + sway.across + sway.turned;
         is_far || self.at.least_in(node, top, &sway) >= 0.0
     }

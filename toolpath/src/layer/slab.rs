@@ -8,11 +8,11 @@ use nalgebra::{Point3, Vector3};
 /// What lies between two planes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slab {
-    /// Across the planes, of length 1 but for rounding; zero if nothing is known.
-    normal: Vector3<f32>,
-    /// How high the middle between the planes is over the middle of the box, and the planes over that, along the normal as it is.
-    middle: f32,
-    half: f32,
+    /// Across the planes, of length 1; zero if nothing is known.
+    normal: Vector3<f64>,
+    /// How high the middle between the planes is over the middle of the box, and the planes over that.
+    middle: f64,
+    half: f64,
 }
 
 impl Slab {
@@ -20,32 +20,20 @@ impl Slab {
     pub fn new(triangles: &[Triangle], of_box: Point3<f64>) -> Self {
         let sum: Vector3<f64> = triangles.iter().map(Triangle::normal).sum();
         let Some(normal) = sum.try_normalize(f64::MIN_POSITIVE) else { return Slab::default() };
-        let rounded: Vector3<f32> = normal.cast();
-        let normal: Vector3<f64> = rounded.cast();
         let corners = triangles.iter().flat_map(|triangle| triangle.corners);
         let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), corner| {
             let height = (corner - of_box).dot(&normal);
             (low.min(height), high.max(height))
         });
-        let middle = ((low + high) / 2.0) as f32;
-        let half = (high - f64::from(middle)).max(f64::from(middle) - low);
-        Slab { normal: rounded, middle, half: rounded_up(half) }
+        Slab { normal, middle: (low + high) / 2.0, half: (high - low) / 2.0 }
     }
 
     /// What is in the slab and in a box reaches no farther along a vector from the middle of the box, times its length: across the planes
     /// by the slab, along them by the box.
     pub fn reach(&self, along: Vector3<f64>, of_box: Vector3<f64>) -> f64 {
-        let normal: Vector3<f64> = self.normal.cast();
-        let across = normal.dot(&along);
-        let [middle, half] = [self.middle, self.half].map(f64::from);
-        of_box.dot(&(along - normal * across).abs()) + across * middle + across.abs() * half
+        let across = self.normal.dot(&along);
+        of_box.dot(&(along - self.normal * across).abs()) + across * self.middle + across.abs() * self.half
     }
-}
-
-/// The least `f32` that is no less.
-pub(super) fn rounded_up(value: f64) -> f32 {
-    let near = value as f32;
-    if f64::from(near) < value { near.next_up() } else { near }
 }
 
 #[cfg(test)]
@@ -65,10 +53,8 @@ mod tests {
         let slab = Slab::new(&triangles, Point3::origin());
         let half = Vector3::repeat(1.0);
         let [across, along] = [Vector3::new(-1.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 1.0)].map(|v| v.normalize());
-        // No less, and more by no more than the normal is rounded by.
-        let is_bound = |reach: f64, least: f64| (least - 1e-12..least + 1e-6).contains(&reach);
-        assert!(is_bound(slab.reach(across, half), 0.0) && is_bound(slab.reach(-across, half), 0.0));
-        assert!(is_bound(slab.reach(along, half), 2.0_f64.sqrt()));
+        assert!(slab.reach(across, half).abs() < 1e-12 && slab.reach(-across, half).abs() < 1e-12);
+        assert!((slab.reach(along, half) - 2.0_f64.sqrt()).abs() < 1e-12);
         assert!((Slab::default().reach(across, half) - 2.0_f64.sqrt()).abs() < 1e-12, "nothing known: the box");
     }
 

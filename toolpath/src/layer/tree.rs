@@ -3,7 +3,7 @@
 //! Boxes are halved (`split`); the small ones know a slab around their triangles, too (`slab`). The *keys* of triangles (their layer, or a finer time at
 //! which they are built) are kept beside the tree, with their range in each box: other keys need no other tree.
 
-use super::slab::{Slab, rounded_up};
+use super::slab::Slab;
 use super::split::{Place, split};
 use super::triangle::Triangle;
 use crate::mesh::on_triangle;
@@ -28,13 +28,13 @@ pub(crate) struct Tree {
     triangles: Vec<Triangle>,
 }
 
-/// A box and what is in it: rounded outward, in half as many bytes as `f64` would take.
+/// A box and what is in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
-    middle: Point3<f32>,
-    half: Vector3<f32>,
+    pub middle: Point3<f64>,
+    pub half: Vector3<f64>,
     /// The thickest layer in it.
-    height: f32,
+    pub height: f64,
     /// What the triangles are between, too.
     slab: Slab,
     /// First triangle and how many in a leaf; in a branch the number of its second child (the first follows it), and 0.
@@ -80,9 +80,11 @@ impl Tree {
     /// The nodes over `places`, whose triangles become those from `first` on; boxes come later.
     fn build(&mut self, places: &mut [Place], first: usize) {
         let at = self.nodes.len();
+        let (zero, none) = (Point3::origin(), Vector3::zeros());
         let count = places.len();
-        let (middle, half, slab) = (Point3::origin(), Vector3::zeros(), Slab::default());
-        self.nodes.push(Node { middle, half, height: 0.0, slab, first: first as u32, count: count as u32 });
+        let slab = Slab::default();
+        let node = Node { middle: zero, half: none, height: 0.0, slab, first: first as u32, count: count as u32 };
+        self.nodes.push(node);
         if count <= LEAF {
             return;
         }
@@ -115,15 +117,14 @@ impl Tree {
             } else {
                 for child in [at + 1, node.first as usize] {
                     corners[child].iter().for_each(&mut take);
-                    height = height.max(self.nodes[child].height());
+                    height = height.max(self.nodes[child].height);
                 }
             }
             corners[at] = [low, high];
-            let [low, high] = [low, high].map(Point3::from);
+            let [low, high] = [Vector3::from(low), Vector3::from(high)];
+            let half = (high - low) / 2.0;
             let node = &mut self.nodes[at];
-            node.middle = nalgebra::center(&low, &high).cast();
-            let half = (high - node.middle()).sup(&(node.middle() - low));
-            (node.half, node.height) = (half.map(rounded_up), rounded_up(height));
+            (node.middle, node.half, node.height) = (Point3::from((low + high) / 2.0), half, height);
         }
         self.slabs();
     }
@@ -136,7 +137,7 @@ impl Tree {
             let range =
                 if node.count > 0 { node.range() } else { ranges[at + 1].start..ranges[node.first as usize].end };
             if range.len() <= IN_SLAB {
-                node.slab = Slab::new(&self.triangles[range.clone()], node.middle());
+                node.slab = Slab::new(&self.triangles[range.clone()], node.middle);
             }
             ranges[at] = range;
         }
@@ -287,39 +288,25 @@ pub(crate) trait Walk {
 }
 
 impl Node {
-    pub fn middle(&self) -> Point3<f64> {
-        self.middle.cast()
-    }
-
-    /// From the middle to the sides.
-    pub fn half(&self) -> Vector3<f64> {
-        self.half.cast()
-    }
-
-    pub fn height(&self) -> f64 {
-        f64::from(self.height)
-    }
-
     /// Whether a straight way may meet the box.
     pub fn is_met_by(&self, from: Point3<f64>, way: Vector3<f64>) -> bool {
         let half = way * 0.5;
-        let middle = from + half - self.middle();
-        let (extent, of_box) = (half.abs(), self.half());
+        let middle = from + half - self.middle;
+        let extent = half.abs();
         // Boxes may be as flat as their triangles, so what touches them is in them.
-        let apart = (0..3).any(|k| middle[k].abs() > (of_box[k] + extent[k]) * (1.0 + EDGE) + EDGE);
+        let apart = (0..3).any(|k| middle[k].abs() > (self.half[k] + extent[k]) * (1.0 + EDGE) + EDGE);
         let across = middle.cross(&half).abs();
         let aside = (0..3).any(|k| {
             let [i, j] = [(k + 1) % 3, (k + 2) % 3];
             let slack = EDGE * (1.0 + across[k]);
-            across[k] > of_box[i] * extent[j] + of_box[j] * extent[i] + slack
+            across[k] > self.half[i] * extent[j] + self.half[j] * extent[i] + slack
         });
         !apart && !aside
     }
 
     /// How far the triangles reach from the middle along a vector, times its length.
     pub fn reach(&self, along: Vector3<f64>) -> f64 {
-        let half = self.half();
-        half.dot(&along.abs()).min(self.slab.reach(along, half))
+        self.half.dot(&along.abs()).min(self.slab.reach(along, self.half))
     }
 
     fn range(&self) -> Range<usize> {
@@ -327,8 +314,8 @@ impl Node {
     }
 
     fn distance_squared(&self, p: Point3<f64>) -> f64 {
-        let (from, half) = (p - self.middle(), self.half());
-        (0..3).map(|k| (from[k].abs() - half[k]).max(0.0).powi(2)).sum()
+        let from = p - self.middle;
+        (0..3).map(|k| (from[k].abs() - self.half[k]).max(0.0).powi(2)).sum()
     }
 }
 
@@ -357,24 +344,6 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Boxes are rounded outward, and so is the thickness.
-        #[test]
-        fn boxes_hold_their_triangles(
-            corners in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-1.0_f64..1.0)), 1..40),
-            at in prop::array::uniform3(-1e4_f64..1e4),
-            height in 0.01_f64..1.0,
-        ) {
-            let corner = |corner: [f64; 3]| Point3::from(at) + Vector3::from(corner);
-            let triangle = |corners: &[[f64; 3]; 3]| Triangle { corners: corners.map(corner), rims: [0; 2], height, layer: 0, index: 0 };
-            let tree = Tree::new(corners.iter().map(triangle).collect());
-            let holds = |node: &Node, triangle: &Triangle| {
-                let is_in = |corner: &Point3<f64>| (0..3).all(|k| (corner - node.middle())[k].abs() <= node.half()[k]);
-                triangle.corners.iter().all(is_in) && triangle.height <= node.height()
-            };
-            prop_assert!(tree.nodes.iter().all(|node| tree.triangles[node.range()].iter().all(|triangle| holds(node, triangle))));
-            prop_assert!(tree.triangles.iter().all(|triangle| holds(&tree.nodes[0], triangle)));
-        }
-
         #[test]
         fn triangles_are_put_in_order_without_a_copy(order in Just((0..40_u32).collect::<Vec<_>>()).prop_shuffle()) {
             let corners = [Point3::origin(); 3];
