@@ -206,27 +206,22 @@ fn trace(mesh: &SurfaceMesh, points: &[Point3<f64>]) -> Vec<(u32, Point3<f64>)> 
             (at, last) = (found.at, Some(found.direction));
         }
     };
-    let mut after = Vec::with_capacity(points.len());
+    // How many edges are crossed on the way to each point.
+    let mut counts = Vec::with_capacity(points.len());
     for target in &points[1..] {
         go_to(target, &mut crossings);
-        after.push(crossings.len());
+        counts.push(crossings.len());
     }
     if is_closed(points) {
         // On along the beginning, until an edge is crossed again. That need not be the first one: a start on an edge lies on either side of it, and one on
         // a corner is passed on either side.
         let once = crossings.len();
-        for (target, after) in points[1..].iter().zip(after) {
+        let round = points[1..].iter().zip(counts).find_map(|(target, count)| {
             go_to(target, &mut crossings);
-            let (beginning, on) = (&crossings[..after], &crossings[once..]);
-            let again = |(k, first): (usize, &(u32, Point3<f64>))| Some((k, on.iter().position(|c| c.0 == first.0)?));
-            if let Some((first, again)) = beginning.iter().enumerate().find_map(again) {
-                crossings.truncate(once + again);
-                crossings.drain(..first);
-                return crossings;
-            }
-        }
-        crossings.truncate(once);
-        return crossings;
+            let (begun, on) = (&crossings[..count], &crossings[once..]);
+            (0..count).find_map(|k| Some(k..once + on.iter().position(|crossing| crossing.0 == begun[k].0)?))
+        });
+        return crossings[round.unwrap_or(0..once)].to_vec();
     }
     if let Some(direction) = last {
         walk(mesh, &at, direction, MAX_DIAGONALS * far, |h, p| crossings.push((h, p)));
