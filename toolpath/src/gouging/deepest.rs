@@ -363,3 +363,33 @@ impl<'a> Scene<'a> {
         self.plate.is_none() || self.nozzle.plate_lean(self.over_plate(stand)).is_some_and(|lean| leans <= lean + 1e-9)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layer::BuiltLayer;
+
+    /// The plate is asked at the lower end of a way and with the greater lean, whichever end has it.
+    #[test]
+    fn the_lower_end_of_a_way_and_the_greater_lean_keep_off_the_plate() {
+        let vertices = [[0.0, 0.0, 5.0], [9.0, 0.0, 5.0], [0.0, 9.0, 5.0]].map(Point3::from);
+        let layer = BuiltLayer { vertices: &vertices, triangles: &[[0, 1, 2]], spacing: &[0.4], curves: &[] };
+        let (stack, nozzle) = (LayerStack::new(&[layer]).unwrap(), Nozzle::default());
+        let scene = Scene::new(&stack, &stack.keys, &nozzle, Some(0.0));
+        let end = |z: f64, lean: f64| {
+            let stand = Stand { tip: Point3::new(0.0, 0.0, z), before: 1, allowed: 0.25 };
+            (stand, UnitVector3::new_normalize(Vector3::new(lean, 0.0, 1.0)))
+        };
+        let is_above = |ends: [(f64, f64); 2]| {
+            let both =
+                [ends, [ends[1], ends[0]]].map(|ends| scene.above_plate_along(ends.map(|(z, lean)| end(z, lean))));
+            assert_eq!(both[0], both[1]);
+            both[0]
+        };
+        assert!(is_above([(0.1, 0.0), (9.0, 0.0)]) && !is_above([(-0.1, 0.0), (9.0, 0.0)]));
+        // Leaning by one in two the rim of the tip is 0.18 mm lower.
+        assert!(is_above([(0.3, 0.5), (0.3, 0.0)]) && !is_above([(0.1, 0.5), (0.1, 0.0)]));
+        // The lean is that of another end than the lower one.
+        assert!(!is_above([(0.1, 0.0), (9.0, 0.5)]));
+    }
+}

@@ -174,8 +174,8 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::way::ways;
     use super::*;
+    use crate::order::way::ways;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
@@ -185,7 +185,7 @@ mod tests {
         let (mut by_given, mut by_nearest) = (0, 0);
         for seed in 0..60 {
             let mut draw = Pcg64Mcg::seed_from_u64(seed);
-            let mut place = || Point3::from([0; 3].map(|_: i32| 10.0 * draw.random::<f64>()));
+            let mut place = || Point3::from([(); 3].map(|()| 10.0 * draw.random::<f64>()));
             let points: Vec<[Point3<f64>; 2]> = (0..14).map(|_| [place(), place()]).collect();
             let curves: Vec<TravelCurve> = points.iter().map(|points| TravelCurve { points, closed: false }).collect();
             let choice: Vec<Vec<Way>> = curves.iter().zip(0..).map(|(curve, number)| ways(curve, number)).collect();

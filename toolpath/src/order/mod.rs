@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn layers_of_many_curves_are_polished() {
         let mut draw = Pcg64Mcg::seed_from_u64(1);
-        let mut place = || Point3::from([0; 3].map(|_: i32| 10.0 * draw.random::<f64>()));
+        let mut place = || Point3::from([(); 3].map(|()| 10.0 * draw.random::<f64>()));
         let points: Vec<Vec<[Point3<f64>; 2]>> =
             [30, 3, 40].map(|count| (0..count).map(|_| [place(), place()]).collect()).to_vec();
         let curves: Vec<Vec<TravelCurve>> = points
@@ -232,7 +232,7 @@ mod tests {
         let mut polished = given.clone();
         polish(&mut polished, &choices, &curves, &|| Ok(())).unwrap();
         assert_eq!(polished[1], given[1]);
-        // Four curves of five lie in another place, or turned.
+        // Most curves of both lie in another place, or turned.
         let moved = |k: usize| polished[k].iter().zip(&given[k]).filter(|(now, then)| now != then).count();
         assert!(moved(0) > 20 && moved(2) > 28, "{} {}", moved(0), moved(2));
         assert!(total(&polished) < 0.6 * total(&given), "{} {}", total(&polished), total(&given));

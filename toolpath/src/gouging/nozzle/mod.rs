@@ -331,3 +331,22 @@ impl Nozzle {
         self.block_radius.hypot(self.cone_height)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// A nozzle that grows with a lowered tip holds all that was nearer, and beside the cone no more than that.
+        #[test]
+        fn a_grown_nozzle_holds_what_was_near(z in -3.0_f64..8.0, rho in 0.0_f64..15.0, by in 0.01_f64..2.0) {
+            let nozzle = Nozzle::default();
+            let (before, after) = (nozzle.clearance(z, rho), nozzle.grown(by).clearance(z + by, rho));
+            prop_assert!(before >= by || after <= 1e-12, "{before} {after}");
+            let side = (rho - nozzle.tip_radius) * nozzle.cos - z * nozzle.sin;
+            let is_beside_cone = (1.0..5.0).contains(&z) && side.abs() < 0.5 && by < 1.0;
+            prop_assert!(!is_beside_cone || (after - (before - by)).abs() <= 1e-12, "{before} {after}");
+        }
+    }
+}
