@@ -226,6 +226,8 @@ proptest! {
         // Where a region branches, rings may nowhere run side by side: then it gets one more curve (one in a hundred).
         let curves = got.paths.len() + got.short.len();
         prop_assert!((got.regions..=got.regions + 1).contains(&curves), "{} {}", got.regions, curves);
+        let longest = got.short.iter().map(|path| path.length()).fold(0.0, f64::max);
+        prop_assert!(longest < PathOptions::default().min_length * bead, "{longest} mm is not short");
         prop_assert!(in_range(&got, bead));
         let found = statistics(&mesh, &got);
         prop_assert!(found.covered_fraction > 0.85, "{:?}", found);
