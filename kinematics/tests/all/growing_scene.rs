@@ -251,7 +251,7 @@ fn numbers_that_cannot_be_are_named() {
         assert_eq!(named(GrowingOptions { resolution_mm: wrong, ..good }), "resolution_mm");
         assert_eq!(named(GrowingOptions { fine_resolution_mm: wrong, ..good }), "fine_resolution_mm");
     }
-    // The least that may be: all as near as each other, nothing near, a micrometre fine.
+    // The least clearances that may be, and nothing that is near.
     let least =
         GrowingOptions { clearances_mm: [0.0; 3], resolution_mm: 5.0, fine_resolution_mm: 2.0, near_mm: 0.0, ..good };
     assert!(GrowingScene::new(&cell, &part, PLATE_MM, &least).is_ok());

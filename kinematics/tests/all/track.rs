@@ -274,6 +274,17 @@ fn numbers_that_make_no_track_are_named() {
     assert_eq!(still, WorkcellError::NoDirection { path: "track.direction".into() });
     let far = refused(|m| m.part.position_mm = [400.0, 4000.0, 0.0]);
     assert!(matches!(far, WorkcellError::Reach { path: "track.range_mm", .. }), "{far}");
+    let WorkcellError::Reach { reach_mm, .. } = far else { unreachable!() };
+    // Behind the end of the track a plate of 300 mm may be so far away that only its near edge is in reach.
+    let behind = |mm: f64| {
+        let mut model = model();
+        model.part.position_mm = [0.0, 700.0 + mm, 0.0];
+        model.plate = PlateModel { diameter_mm: Some(300.0), size_mm: None, ..model.plate };
+        AnyWorkcell::new(model)
+    };
+    let farthest = reach_mm + seven(model()).equipment().nozzle_frame().1.translation.vector.norm() + 150.0;
+    assert!(behind(farthest - 1.0).is_ok());
+    assert!(matches!(behind(farthest + 1.0), Err(WorkcellError::Reach { path: "track.range_mm", .. })));
     assert_eq!(refused(|m| m.held = Held::Part), WorkcellError::HeldPartOnTrack);
     assert_eq!(refused(|m| m.plate = PlateModel { diameter_mm: Some(5.0), ..m.plate }), WorkcellError::TwoPlates);
     let on_floor = refused(|m| m.solids[1].mount = MountModel::Base);

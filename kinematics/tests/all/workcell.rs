@@ -717,7 +717,7 @@ fn an_arm_that_cannot_reach_is_refused() {
         reported.starts_with("nozzle.tip_mm: stretched out, the arm reaches 888.4 mm: with the 120.0 mm"),
         "{reported}"
     );
-    // Its plate of 300 mm may lie so far away that only the near half is in reach.
+    // Its plate of 300 mm may lie so far away that only its near edge is in reach.
     let away = |x: f64| {
         let mut away = model(UR10);
         away.part.position_mm = [x, 0.0, 0.0];
