@@ -169,3 +169,23 @@ pub fn angle_to_principal(stress: &LayerStress, tapes: &[Tape], share: f64) -> P
         from_stress: if from_stress.is_finite() { from_stress } else { 0.0 },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    /// Two pieces of 30 mm at a right angle. Both reach over the corner, where the tape is as far from its start by one as by the other.
+    #[test]
+    fn a_tape_does_not_lie_twice_where_it_bends() {
+        let corners = [[-10.0, -10.0], [50.0, -10.0], [50.0, 50.0], [-10.0, 50.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let mesh = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let points = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0]].map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+        let tape = Tape { normals: vec![Vector3::z_axis(); 3], points, width: 5.0, thickness: 0.1 };
+        let found = cover(&mesh, &[tape], &|_| ControlFlow::Continue(())).unwrap();
+        // Two rectangles, and the square at the corner once.
+        let known = (2.0 * 30.0 * 5.0) / 3600.0;
+        assert!((found.covered_fraction - known).abs() < 0.002, "{found:?} {known}");
+        assert!(found.overlap_fraction <= 0.0, "{found:?}");
+    }
+}

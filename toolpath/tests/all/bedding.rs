@@ -179,6 +179,19 @@ fn what_has_beads_on_one_side_alone_is_not_bedded() {
     assert_eq!((bedded(&plates[0]), bedded(&plates[1]), bedded(&plates.concat())), (0, 0, 1));
 }
 
+/// Corners within 1.25 heights of beads below and above are bedded, others not, however many beads lie near by.
+#[test]
+fn what_lies_beside_the_beads_is_not_bedded() {
+    let paths = [0, 1].map(|layer| plate(layer, [0.0, 0.0], [10.0, 10.0])).concat();
+    let bedded = |y: f64| {
+        let top = [[2.0, 5.0], [8.0, 5.0], [5.0, y]].map(|[x, y]| Point3::new(x, y, H));
+        bedded_surface(&top, &[[0, 1, 2]], 0, &paths, H).1.len()
+    };
+    // The core of the last bead ends 0.25 mm inside, half a height below.
+    let last = 10.0 - 0.25 + ((1.25 * H).powi(2) - (H / 2.0).powi(2)).sqrt();
+    assert_eq!([last - 0.05, last + 0.05, last + 0.3].map(bedded), [1, 0, 0]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     /// Beads and tapes anywhere: strands that a slow look at points finds bare are those that are reported.

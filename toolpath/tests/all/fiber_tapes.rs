@@ -231,6 +231,8 @@ fn a_gap_is_kept_before_ends() {
     for tape in &plan.tapes {
         let ends = [tape.points[0].x, tape.points[tape.points.len() - 1].x];
         assert!((ends[0].min(ends[1]) - 3.0).abs() < 1e-6 && (ends[0].max(ends[1]) - 87.0).abs() < 1e-6);
+        // It goes from one to the other, not to the end of the line and back.
+        assert!((tape.length() - 84.0).abs() < 1e-6, "{}", tape.length());
     }
 }
 

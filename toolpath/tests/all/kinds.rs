@@ -7,7 +7,7 @@ use curvlay_toolpath::fill::fill_layers;
 
 use curvlay_toolpath::layer::LayerSurface;
 use curvlay_toolpath::nalgebra::Point3;
-use curvlay_toolpath::path::{BeadKind, PathOptions, Pattern};
+use curvlay_toolpath::path::{BeadKind, InfillOptions, PathOptions, Pattern};
 use curvlay_toolpath::plan::PrintOptions;
 
 const SIDE: f64 = 12.0;
@@ -59,4 +59,25 @@ fn only_beads_have_a_kind() {
     let (moves, _) = moves(Pattern::Rings);
     assert!(moves.iter().any(|step| step.kind == MoveKind::Retract));
     assert!(moves.iter().all(|step| (step.kind == MoveKind::Print) == step.bead.is_some()));
+}
+
+/// Right of a step the part ends at layer 8. The first of the two layers of skin there lies on sparse infill, the second on the first.
+#[test]
+fn skin_over_skin_is_no_bridge() {
+    let height = |k: usize| 0.4 + 0.8 * k as f64;
+    let rectangle = |k: usize, length: f64| {
+        [[0.0, 0.0], [length, 0.0], [length, 24.0], [0.0, 24.0]].map(|[x, y]| Point3::new(x, y, height(k)))
+    };
+    let vertices: Vec<_> = (0..14).map(|k| rectangle(k, if k < 8 { 48.0 } else { 24.0 })).collect();
+    let surface =
+        |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
+    let surfaces: Vec<_> = vertices.iter().map(|vertices| surface(&vertices[..])).collect();
+    let infill = InfillOptions { density: 0.2, walls: 2, skin: 2, ..InfillOptions::default() };
+    let filled = fill_layers(&surfaces, &PathOptions { infill, ..PathOptions::default() }, &go_on).unwrap();
+    let count = |k: usize, kind: BeadKind| {
+        let points = filled.layers[k].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
+        points.filter(|point| point.at.position.x > 30.0 && point.kind == kind).count()
+    };
+    assert!(count(6, BeadKind::Bridge) > 10 && count(7, BeadKind::Skin) > 10);
+    assert_eq!(count(7, BeadKind::Bridge), 0);
 }
