@@ -7,6 +7,7 @@ use super::setup::Setup;
 use super::{Args, FillKind};
 use curvlay_examples::args::Failure;
 use curvlay_examples::input::read_text;
+use curvlay_examples::json::JsonFault;
 use curvlay_kinematics::nalgebra::{Point3, Unit, Vector3};
 use curvlay_kinematics::program::DomeStroke;
 use curvlay_kinematics::scene::Shape;
@@ -138,9 +139,7 @@ struct Head {
 }
 
 fn json(error: &serde_json::Error) -> PlanError {
-    let (line, column) = (error.line(), error.column());
-    let what = error.to_string();
-    let what = what.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&what).to_owned();
+    let JsonFault { line, column, what } = JsonFault::from(error);
     PlanError::Json { line, column, what }
 }
 

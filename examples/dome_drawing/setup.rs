@@ -4,6 +4,7 @@ use super::fault::fault;
 use curvlay_examples::args::Failure;
 use curvlay_examples::count::counted;
 use curvlay_examples::input::read_text;
+use curvlay_examples::json::JsonFault;
 use curvlay_kinematics::nalgebra::Point3;
 use curvlay_kinematics::program::{DomeOptions, DomeRig};
 use curvlay_kinematics::{ArmModel, robots};
@@ -97,9 +98,7 @@ impl Setup {
     /// Reads a setup; what is wrong, with its line.
     fn from_json(text: &str) -> Result<Self, String> {
         let setup: Setup = serde_json::from_str(text).map_err(|error| {
-            let (line, column) = (error.line(), error.column());
-            let what = error.to_string();
-            let what = what.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&what);
+            let JsonFault { line, column, what } = JsonFault::from(&error);
             // The parser names a key that is not known, and an end that is missing belongs to none.
             let is_value = error.is_data() && !what.starts_with("unknown field");
             let key = text.lines().nth(line.saturating_sub(1)).and_then(|text| key_before(text, column));

@@ -15,6 +15,7 @@ pub mod five_axis;
 pub mod gallery;
 mod html;
 pub mod input;
+pub mod json;
 pub mod laid;
 pub mod mesh;
 pub mod motion;

@@ -15,7 +15,8 @@ impl From<serde_json::Error> for JsonFault {
             return JsonFault::Io(what);
         }
         let (line, column) = (error.line(), error.column());
-        let place = format!(" at line {line} column {column}");
-        JsonFault::At([line, column], what.strip_suffix(&place).map(str::to_owned).unwrap_or(what))
+        let what = what.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&what);
+        let not = if error.is_syntax() || error.is_eof() { "not JSON: " } else { "" };
+        JsonFault::At([line, column], format!("{not}{what}"))
     }
 }

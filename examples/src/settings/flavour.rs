@@ -2,6 +2,7 @@
 
 use super::declared::Settings;
 use crate::input;
+use crate::json::JsonFault;
 use crate::outcome::Failure;
 use curvlay_toolpath::gcode::flavour::{Direction, Flavour};
 use std::path::Path;
@@ -62,7 +63,7 @@ fn takes_directions(name: &str) -> bool {
 fn from_file(path: &Path) -> Result<Flavour, Failure> {
     let text = input::read_text(path, input::MAX_SETTINGS_BYTES)?;
     let failed = |problem: String| Failure::new(format!("{}: {problem}", path.display()));
-    let flavour: Flavour = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
+    let flavour: Flavour = serde_json::from_str(&text).map_err(|error| failed(JsonFault::from(&error).to_string()))?;
     flavour.check().map_err(|error| failed(error.to_string()))?;
     Ok(flavour)
 }

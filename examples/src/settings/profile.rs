@@ -4,6 +4,7 @@ use super::declared::Settings;
 use super::flavour::is_file;
 use crate::args::is_typed;
 use crate::input;
+use crate::json::JsonFault;
 use crate::outcome::Failure;
 use clap::ArgMatches;
 use serde_json::{Map, Value};
@@ -136,7 +137,7 @@ fn explained(text: &str, error: &serde_json::Error) -> String {
         let place = line.map_or_else(String::new, |line| format!("line {}: ", line + 1));
         Some(format!("{place}`{name}` is not a setting; {hint}"))
     };
-    unknown().unwrap_or_else(|| error.to_string())
+    unknown().unwrap_or_else(|| JsonFault::from(error).to_string())
 }
 
 /// Letters to put in, take out or change until one word is the other: Wagner and Fischer's table, a row at a time.

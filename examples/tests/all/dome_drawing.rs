@@ -570,7 +570,7 @@ fn a_setup_that_is_wrong_is_refused_before_anything_is_written() {
         ("word", "{\n  \"print_mm_s\": \"fast\"\n}", "line 2: `print_mm_s`: invalid type: string"),
         ("unknown", "{\n\n  \"speed\": 3\n}", "line 3: unknown field `speed`"),
         ("arm", "{ \"arm\": \"UR3\" }", "line 1: `arm` is UR3: known are IRB120, IRB1200"),
-        ("empty", "", "line 1: EOF while parsing"),
+        ("empty", "", "line 1: not JSON: EOF while parsing"),
     ] {
         let path = file(&format!("wrong_{name}.json"), text);
         let error = run(&format!("wrong_{name}"), &["--setup", &path]).unwrap_err();

@@ -148,7 +148,7 @@ fn what_is_no_file_is_reported_with_its_place() {
     let (line, what) = refused("\"tip_flat_mm\": 1,", "");
     assert!(line == 23 && what == "missing field `tip_flat_mm`", "{line} {what}");
     let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": NaN,");
-    assert!(line == 18 && what == "expected value", "{line} {what}");
+    assert!(line == 18 && what == "not JSON: expected value", "{line} {what}");
     let (line, what) = refused("\"tip_flat_mm\": 1,", "\"tip_flat_mm\": \"1 mm\",");
     assert!(line == 18 && what.contains("expected f64"), "{line} {what}");
     let (line, what) = refused("[0, 0, 120]", "[0, 45]");

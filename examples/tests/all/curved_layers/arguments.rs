@@ -76,7 +76,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--material-density", "1240"], 2, "g/cm3"),
         (&["--stage", "paths", "--fan", "1"], 2, "--fan does nothing with --stage paths: it needs --stage gcode"),
         (&["--profile", "no-such-profile.json"], 1, "no-such-profile.json"),
-        (&["--profile", &scratch.path("file")], 1, "line 1 column 1"),
+        (&["--profile", &scratch.path("file")], 1, "line 1, column 1: not JSON"),
         (&["a.stl", "--mesh", "b.stl"], 2, "--mesh"),
         (
             &["--stage", "paths", "--also", "apt"],
@@ -92,7 +92,7 @@ fn bad_arguments_exit_with_2_and_bad_files_with_1() {
         (&["--voxels", "2000", "--stage", "field", "--scale", "1e200"], 1, "--allow-large"),
         (&["--cell8", "--workcell", "x.json"], 2, "--workcell"),
         (&["--workcell", "no-such-cell.json"], 1, "no-such-cell.json"),
-        (&["--workcell", &scratch.path("file")], 1, "line 1, column 1"),
+        (&["--workcell", &scratch.path("file")], 1, "line 1, column 1: not JSON"),
         (&["--mesh", "no-such-file.stl"], 1, "no-such-file.stl"),
         (&["--mesh", &scratch.path("")], 1, "not a file"),
         (&["--cell", "0.0001"], 1, "grid"),

@@ -1,0 +1,40 @@
+//! Why a JSON file is not read: what is wrong, and where.
+
+use std::fmt;
+
+/// A fault of a JSON text: its place, counted from 1, and what is wrong there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JsonFault {
+    pub line: usize,
+    pub column: usize,
+    pub what: String,
+}
+
+impl From<&serde_json::Error> for JsonFault {
+    fn from(error: &serde_json::Error) -> Self {
+        let (line, column) = (error.line(), error.column());
+        let text = error.to_string();
+        let what = text.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&text);
+        let not = if error.is_syntax() || error.is_eof() { "not JSON: " } else { "" };
+        JsonFault { line, column, what: format!("{not}{what}") }
+    }
+}
+
+impl fmt::Display for JsonFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}, column {}: {}", self.line, self.column, self.what)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_place_comes_first() {
+        let said = |text: &str| JsonFault::from(&serde_json::from_str::<[u8; 2]>(text).unwrap_err()).to_string();
+        assert_eq!(said("hello"), "line 1, column 1: not JSON: expected value");
+        assert_eq!(said("[1,\n"), "line 2, column 0: not JSON: EOF while parsing a list");
+        assert_eq!(said("[1,\n300]"), "line 2, column 3: invalid value: integer `300`, expected u8");
+    }
+}
