@@ -2,11 +2,14 @@
 
 use std::fmt;
 
-/// A fault of a JSON text: its place, counted from 1, and what is wrong there.
+/// A fault of a JSON text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JsonFault {
+    /// The line, counted from 1.
     pub line: usize,
+    /// The column, counted from 1; 0 at the end of a line.
     pub column: usize,
+    /// What is wrong there.
     pub what: String,
 }
 

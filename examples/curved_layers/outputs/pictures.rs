@@ -47,16 +47,10 @@ fn from_the_front() -> Camera {
 pub fn frames(field: &FieldRun, run: &SurfacesRun) -> Vec<Picture> {
     let layers = run.sheets.len();
     let until: Vec<usize> = (1..=FRAMES).map(|frame| (layers * frame).div_ceil(FRAMES)).collect();
-    let mut scene = stage(field);
-    let mut from = 0;
-    for &until in &until {
-        (from..until).for_each(|at| add(&mut scene, run, at));
-        scene.mark();
-        from = until;
-    }
     let [width, height] = FRAME;
+    let drawn = stage(field).draw_growing(&until, |at, scene| add(scene, run, at), width, height);
     let captions = until.iter().map(|until| format!("{until} of {}", counted(layers, "layer")));
-    captions.zip(scene.draw_marked(width, height).iter().map(Image::to_png)).collect()
+    captions.zip(drawn.iter().map(Image::to_png)).collect()
 }
 
 /// Three single surfaces.

@@ -59,14 +59,8 @@ pub struct Scene {
     shading: Vec<([f32; 3], f32)>,
     platform: Option<(Vec<[f64; 2]>, f64)>,
     labels: Vec<(Point3<f64>, String)>,
-    marks: Vec<Mark>,
-}
-
-/// How much of a scene was there at some time.
-#[derive(Clone, Copy, Debug)]
-struct Mark {
-    facets: usize,
-    shading: usize,
+    /// Of a part of a growing scene: how many facets came before it.
+    earlier: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +82,7 @@ const OUTLINE: f64 = 0.03;
 impl Scene {
     /// An empty scene.
     pub fn new(camera: Camera) -> Self {
-        Scene { camera, facets: Vec::new(), shading: Vec::new(), platform: None, labels: Vec::new(), marks: Vec::new() }
+        Scene { camera, facets: Vec::new(), shading: Vec::new(), platform: None, labels: Vec::new(), earlier: 0 }
     }
 
     /// The camera.
@@ -191,7 +185,7 @@ impl Scene {
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         let span = (a.z - z).abs().max(longest);
         // Small triangles are a point each.
-        let steps = if self.facets.len() > 20_000 || span <= 0.0 { 1 } else { STEPS };
+        let steps = if self.earlier + self.facets.len() > 20_000 || span <= 0.0 { 1 } else { STEPS };
         for i in 0..steps {
             for k in 0..steps - i {
                 let [s, t] = [i, k].map(|n| (n as f64 + 1.0 / 3.0) / steps as f64);
@@ -201,56 +195,58 @@ impl Scene {
         }
     }
 
-    /// Marks what is there by now for [`Scene::draw_marked`].
-    pub fn mark(&mut self) -> &mut Self {
-        self.marks.push(self.all());
-        self
-    }
-
-    fn all(&self) -> Mark {
-        Mark { facets: self.facets.len(), shading: self.shading.len() }
-    }
-
     /// The picture, on white, the scene as large as fits; each side between 1 and [`Image::MAX_SIDE`] pixels.
     pub fn draw(&self, width: u32, height: u32) -> Image {
-        self.draw_at(&[self.all()], width, height).remove(0)
+        self.draw_growing(&[0], |_, _| (), width, height).remove(0)
     }
 
-    /// A picture of what was there at each mark, as [`Scene::draw`], everything in its place of the whole scene. Each triangle is drawn once.
-    pub fn draw_marked(&self, width: u32, height: u32) -> Vec<Image> {
-        self.draw_at(&self.marks, width, height)
-    }
-
-    /// One picture for each mark; these rise.
-    fn draw_at(&self, marks: &[Mark], width: u32, height: u32) -> Vec<Image> {
+    /// Pictures of a scene that parts are added to: a picture of this scene and the first parts for each of the numbers `until`, which rise. All show
+    /// everything in its place of the whole, as [`Scene::draw`] does.
+    ///
+    /// `add` adds a part to a scene, and is asked for each part twice, so that no more than one is held at a time. Labels of parts are not drawn.
+    pub fn draw_growing(
+        &self,
+        until: &[usize],
+        add: impl Fn(usize, &mut Scene),
+        width: u32,
+        height: u32,
+    ) -> Vec<Image> {
         let [width, height] = [width, height].map(|side| side.clamp(1, Image::MAX_SIDE / 2));
         let mut canvas = Canvas::new(width, height);
+        let part = |number: usize, earlier: usize| {
+            let mut part = Scene { platform: self.platform.clone(), earlier, ..Scene::new(self.camera) };
+            add(number, &mut part);
+            part
+        };
         // From below the platform would hide the part.
         let platform = self.platform.as_ref().filter(|_| self.camera.toward.z > 0.0);
-        let of_facets = self.facets.iter().flat_map(|facet| facet.corners).map(to_f64);
+        let parts = 0..until.last().copied().unwrap_or(0);
+        // Where shade falls does not matter yet: as few points of it as there can be.
+        let of_parts = parts.flat_map(|number| part(number, usize::MAX / 2).facets);
+        let of_facets = self.facets.iter().copied().chain(of_parts).flat_map(|facet| facet.corners).map(to_f64);
         let of_platform = platform.iter().flat_map(|(corners, z)| corners.iter().map(|c| Vector3::new(c[0], c[1], *z)));
         let points = of_facets.chain(of_platform).map(|p| self.camera.project(&p));
         let Some(view) = View::fit(self.camera, points, canvas.size()) else {
-            return marks.iter().map(|_| canvas.picture()).collect();
+            return until.iter().map(|_| canvas.picture()).collect();
         };
-        let mut drawn = 0;
-        let picture = |&Mark { facets, shading }: &Mark| {
-            for facet in &self.facets[drawn..facets] {
-                let [a, b, c] = facet.colours;
-                canvas.triangle(facet.corners.map(|p| view.spot(&to_f64(p))), |w| {
-                    let w = w.map(|w| w as f32);
-                    [0, 1, 2].map(|i| w[0] * a[i] + w[1] * b[i] + w[2] * c[i])
-                });
+        draw_facets(&mut canvas, &view, &self.facets);
+        let (mut shading, mut drawn, mut from) = (self.shading.clone(), self.facets.len(), 0);
+        let picture = |&until: &usize| {
+            for number in from..until {
+                let part = part(number, drawn);
+                draw_facets(&mut canvas, &view, &part.facets);
+                drawn += part.facets.len();
+                shading.extend(part.shading);
             }
-            drawn = facets;
+            from = until;
             let mut canvas = canvas.clone();
             if let Some((corners, z)) = platform {
-                self.draw_platform(&mut canvas, &view, corners, &Shade::new(&self.shading[..shading], *z), *z);
+                self.draw_platform(&mut canvas, &view, corners, &Shade::new(&shading, *z), *z);
             }
             canvas.outline((OUTLINE * view.size) as f32);
             self.labelled(&canvas, &view)
         };
-        marks.iter().map(picture).collect()
+        until.iter().map(picture).collect()
     }
 
     /// The picture of a canvas with labels.
@@ -303,6 +299,16 @@ impl Scene {
                 base.map(|c| c * light)
             });
         }
+    }
+}
+
+fn draw_facets(canvas: &mut Canvas, view: &View, facets: &[Facet]) {
+    for facet in facets {
+        let [a, b, c] = facet.colours;
+        canvas.triangle(facet.corners.map(|p| view.spot(&to_f64(p))), |w| {
+            let w = w.map(|w| w as f32);
+            [0, 1, 2].map(|i| w[0] * a[i] + w[1] * b[i] + w[2] * c[i])
+        });
     }
 }
 

@@ -156,14 +156,15 @@ fn meshes_and_triangles_are_drawn_from_both_sides() {
 }
 
 #[test]
-fn marked_pictures_show_what_was_there_from_the_view_of_the_whole() {
+fn pictures_of_a_growing_scene_have_the_view_of_the_whole() {
     let triangle = |x: f64| [[x, 0.0, 0.0], [x + 2.0, 0.0, 0.0], [x, 0.0, 2.0]].map(Point3::from);
     let camera = Camera::from_direction(Vector3::new(0.0, -1.0, 0.2));
     let platform = [[-1.0, -1.0], [7.0, -1.0], [7.0, 1.0], [-1.0, 1.0]];
     let mut scene = Scene::new(camera);
-    scene.platform(&platform, -0.5).triangles([(triangle(0.0), [200, 100, 50])]).mark();
-    scene.triangles([(triangle(4.0), [200, 100, 50])]).mark();
-    let [first, last] = scene.draw_marked(200, 80).try_into().unwrap();
+    scene.platform(&platform, -0.5);
+    let add = |part: usize, scene: &mut Scene| _ = scene.triangles([(triangle(4.0 * part as f64), [200, 100, 50])]);
+    let [first, last] = scene.draw_growing(&[1, 2], add, 200, 80).try_into().unwrap();
+    (0..2).for_each(|part| add(part, &mut scene));
     assert_eq!(last.to_png(), scene.draw(200, 80).to_png());
     // The second triangle is missing from the first picture; the first one is where it is in the other.
     let drawn = |image: &Image, range: std::ops::Range<u32>| {

@@ -617,3 +617,28 @@ fn check_lines(mesh: &SurfaceMesh, lines: &[CentreLine], reach: f64) -> Result<(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    /// A quarter of the way from a station that looks along x to one that looks along y.
+    #[test]
+    fn between_two_stations_all_goes_by_share() {
+        let corners = [[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let mesh = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+        let (layer, options) = (Layer::new(&mesh), TapeOptions::default());
+        let grid = StripGrid::new(options.width, options.width);
+        let planner = Planner { layer: &layer, options: &options, grid, tapes: Vec::new(), left_out: Vec::new() };
+        let station = |x: f64, along: Vector3<f64>, radius: f64| {
+            let at = layer.nearest(Point3::new(x, 1.0, 0.0), f64::INFINITY).unwrap();
+            Station { at, normal: layer.normal(&at), along, arc: 10.0 * x, radius }
+        };
+        let (from, to) = (station(1.0, Vector3::x(), 40.0), station(2.0, Vector3::y(), 30.0));
+        let found = planner.between(&from, &to, 0.25);
+        assert!((found.at.position - Point3::new(1.25, 1.0, 0.0)).norm() < 1e-12, "{:?}", found.at);
+        assert!((found.along - Vector3::new(0.75, 0.25, 0.0).normalize()).norm() < 1e-12, "{}", found.along);
+        assert!((found.arc - 12.5).abs() < 1e-12 && found.radius <= 30.0);
+    }
+}

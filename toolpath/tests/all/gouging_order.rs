@@ -8,7 +8,7 @@ use crate::common::{creases, go_on, layers};
 
 use creases::{H, PIECE, groove, groove_of, last_touched, nowhere, rows, slow_depth};
 use curvlay_toolpath::gouging::{GougingOptions, LeftOut, NozzlePart, Obstacle, ResolvedPaths};
-use curvlay_toolpath::nalgebra::{Point3, Translation3, Vector3};
+use curvlay_toolpath::nalgebra::{Point3, Vector3};
 use curvlay_toolpath::orientation::{ToolPath, Waypoint};
 use curvlay_toolpath::travel::TravelOptions;
 use layers::{Layer, path, with_stack};
@@ -81,17 +81,6 @@ fn what_earlier_layers_close_in_stays_where_it_is() {
     let resolved = resolved_with(&[groove(0.3, 2.0), nowhere()], std::slice::from_ref(&lines), &rough_turns());
     assert_eq!((resolved.left.len(), resolved.paths.len(), resolved.laid_first.len()), (3, 1, 0));
     assert_eq!(printed(&resolved.paths), printed(&[lines]));
-}
-
-/// A groove in a groove: laid first, the bottom is as deep in the layer before as it was in its own. Then all stays where it is.
-#[test]
-fn an_order_that_frees_nothing_is_not_taken() {
-    let (layer, lines) = groove_with_lines();
-    let lines = ToolPath { layer: 1, ..lines };
-    let layers = [layer.moved(&Translation3::new(0.0, 0.0, -0.1).into()), layer];
-    let resolved = resolved_with(&layers, std::slice::from_ref(&lines), &rough_turns());
-    assert!(resolved.left.len() > 10, "{}", resolved.left.len());
-    assert_eq!((resolved.paths.len(), resolved.laid_first.len()), (1, 0));
 }
 
 /// A path that comes down into a groove that is too narrow, goes along it, and up again.

@@ -61,23 +61,26 @@ fn only_beads_have_a_kind() {
     assert!(moves.iter().all(|step| (step.kind == MoveKind::Print) == step.bead.is_some()));
 }
 
-/// Right of a step the part ends at layer 8. The first of the two layers of skin there lies on sparse infill, the second on the first.
+/// Right of a step the part ends at layer 8. The first of the two layers of skin there lies on sparse infill, the second on the first: at any size.
 #[test]
 fn skin_over_skin_is_no_bridge() {
-    let height = |k: usize| 0.4 + 0.8 * k as f64;
-    let rectangle = |k: usize, length: f64| {
-        [[0.0, 0.0], [length, 0.0], [length, 24.0], [0.0, 24.0]].map(|[x, y]| Point3::new(x, y, height(k)))
-    };
-    let vertices: Vec<_> = (0..14).map(|k| rectangle(k, if k < 8 { 48.0 } else { 24.0 })).collect();
-    let surface =
-        |vertices| LayerSurface { vertices, triangles: &[[0, 1, 2], [0, 2, 3]], thickness: &[0.8; 2], is_half: false };
-    let surfaces: Vec<_> = vertices.iter().map(|vertices| surface(&vertices[..])).collect();
-    let infill = InfillOptions { density: 0.2, walls: 2, skin: 2, ..InfillOptions::default() };
-    let filled = fill_layers(&surfaces, &PathOptions { infill, ..PathOptions::default() }, &go_on).unwrap();
-    let count = |k: usize, kind: BeadKind| {
-        let points = filled.layers[k].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
-        points.filter(|point| point.at.position.x > 30.0 && point.kind == kind).count()
-    };
-    assert!(count(6, BeadKind::Bridge) > 10 && count(7, BeadKind::Skin) > 10);
-    assert_eq!(count(7, BeadKind::Bridge), 0);
+    for bead in [0.25, BEAD, 2.5] {
+        let rectangle = |k: usize, length: f64| {
+            let corners = [[0.0, 0.0], [length, 0.0], [length, 30.0], [0.0, 30.0]];
+            corners.map(|[x, y]| Point3::new(bead * x, bead * y, bead * (0.5 + k as f64)))
+        };
+        let vertices: Vec<_> = (0..14).map(|k| rectangle(k, if k < 8 { 60.0 } else { 30.0 })).collect();
+        let thickness = [bead; 2];
+        let triangles = &[[0, 1, 2], [0, 2, 3]];
+        let surface = |vertices| LayerSurface { vertices, triangles, thickness: &thickness, is_half: false };
+        let surfaces: Vec<_> = vertices.iter().map(|vertices| surface(&vertices[..])).collect();
+        let infill = InfillOptions { density: 0.2, walls: 2, skin: 2, ..InfillOptions::default() };
+        let filled = fill_layers(&surfaces, &PathOptions { bead, infill, ..PathOptions::default() }, &go_on).unwrap();
+        let count = |k: usize, kind: BeadKind| {
+            let points = filled.layers[k].iter().flat_map(|layer| &layer.paths.paths).flat_map(|path| &path.points);
+            points.filter(|point| point.at.position.x > 38.0 * bead && point.kind == kind).count()
+        };
+        assert!(count(6, BeadKind::Bridge) > 10 && count(7, BeadKind::Skin) > 10, "beads of {bead}");
+        assert_eq!(count(7, BeadKind::Bridge), 0, "beads of {bead}");
+    }
 }

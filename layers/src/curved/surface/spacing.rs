@@ -244,12 +244,13 @@ fn measure(
         triangles.iter().map(|t| around.found(corners(t))).collect()
     };
     let found = in_parallel_watched(surfaces.len(), "spacing", progress, of_surface).ok_or(SpacingError::Cancelled)?;
-    Ok(summed_up(&found, height_mm))
+    drop(tree); // the most that is held here, with the figures of all triangles
+    Ok(summed_up(found, height_mm))
 }
 
 /// What rays from a surface are looked up in.
 struct Around<'a> {
-    tree: &'a Tree,
+    tree: &'a Tree<'a>,
     solid: Option<&'a Trimmer>,
     surface: u32,
     /// Whether there is a surface before, and one after.
@@ -298,22 +299,24 @@ impl Around<'_> {
     }
 }
 
-fn summed_up(found: &[Vec<Found>], height_mm: f64) -> Spacing {
+fn summed_up(found: Vec<Vec<Found>>, height_mm: f64) -> Spacing {
     let bar_mm = HISTOGRAM_END * height_mm / BARS as f64;
     let mut spacing = Spacing { bar_mm, histogram_mm2: vec![0.0; BARS], ..Spacing::default() };
-    spacing.values_mm = found.iter().map(|surface| surface.iter().map(|found| found.spacing).collect()).collect();
-    spacing.thickness_mm = found.iter().map(|surface| surface.iter().map(|found| found.thickness).collect()).collect();
-    let mut weighted = Vec::new();
+    let mut weighted = Vec::with_capacity(found.iter().flatten().filter(|found| found.spacing.is_some()).count());
     let mut squeezed = 0.0;
-    for found in found.iter().flatten() {
-        spacing.area_mm2 += found.area;
-        squeezed += if found.squeezed { found.area } else { 0.0 };
-        spacing.volume_mm3 += found.area * found.thickness;
-        if let Some(value) = found.spacing {
-            weighted.push((value, found.area));
-            spacing.measured_mm2 += found.area;
-            spacing.histogram_mm2[((value / bar_mm) as usize).min(BARS - 1)] += found.area;
+    for surface in found {
+        for found in &surface {
+            spacing.area_mm2 += found.area;
+            squeezed += if found.squeezed { found.area } else { 0.0 };
+            spacing.volume_mm3 += found.area * found.thickness;
+            if let Some(value) = found.spacing {
+                weighted.push((value, found.area));
+                spacing.measured_mm2 += found.area;
+                spacing.histogram_mm2[((value / bar_mm) as usize).min(BARS - 1)] += found.area;
+            }
         }
+        spacing.values_mm.push(surface.iter().map(|found| found.spacing).collect());
+        spacing.thickness_mm.push(surface.iter().map(|found| found.thickness).collect());
     }
     if spacing.area_mm2 > 0.0 {
         spacing.squeezed_share = squeezed / spacing.area_mm2;
@@ -324,7 +327,7 @@ fn summed_up(found: &[Vec<Found>], height_mm: f64) -> Spacing {
         };
         spacing.mean_mm = mean_of(&|value| value);
         spacing.std_mm = mean_of(&|value| (value - spacing.mean_mm).powi(2)).sqrt();
-        weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        weighted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         [spacing.p05_mm, spacing.p95_mm] = [0.05, 0.95].map(|share| percentile(&weighted, share));
     }
     spacing

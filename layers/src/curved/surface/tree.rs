@@ -9,16 +9,16 @@ use nalgebra::{Point3, Vector3};
 const OVERLAP: f64 = 1e-9;
 
 /// The triangles of all surfaces, leaf after leaf of the boxes over them.
-pub(super) struct Tree {
+pub(super) struct Tree<'a> {
     boxes: boxes::Tree,
-    triangles: Vec<Triangle>,
+    /// The surface of each, and its corners there: of ten million cells there are 25 million triangles, so their places are looked up.
+    triangles: Vec<(u32, [u32; 3])>,
+    surfaces: &'a [SurfaceSlices<'a>],
 }
 
-#[derive(Clone, Copy)]
 struct Triangle {
     corner: Point3<f64>,
     sides: [Vector3<f64>; 2],
-    surface: u32,
 }
 
 /// What a line met, first on the side before the surface, then on the side after it. Distances are not negative.
@@ -32,35 +32,18 @@ pub(super) struct Hits {
     pub(super) near: bool,
 }
 
-impl Tree {
+impl<'a> Tree<'a> {
     /// All triangles must name points that are there.
-    pub(super) fn new(surfaces: &[SurfaceSlices]) -> Self {
-        // The triangles are put into their order at once, and nothing else is kept of them: with a million cells they are the most that a run
-        // holds at a time.
-        let triangle = |surface: usize, [a, b, c]: [u32; 3]| {
-            let [a, b, c] = [a, b, c].map(|v| surfaces[surface].0[v as usize]);
-            Triangle { corner: a, sides: [b - a, c - a], surface: surface as u32 }
-        };
-        // How many triangles there are before each surface.
-        let before: Vec<usize> = surfaces
-            .iter()
-            .scan(0, |all, (_, of_surface)| {
-                *all += of_surface.len();
-                Some(*all - of_surface.len())
-            })
-            .collect();
-        let mut bounds: Vec<Bounds> = Vec::with_capacity(surfaces.iter().map(|(_, of_surface)| of_surface.len()).sum());
-        for (surface, (_, of_surface)) in surfaces.iter().enumerate() {
-            bounds.extend(of_surface.iter().map(|&t| Bounds::of(&triangle(surface, t).corners())));
+    pub(super) fn new(surfaces: &'a [SurfaceSlices<'a>]) -> Self {
+        let mut triangles = Vec::with_capacity(surfaces.iter().map(|(_, of_surface)| of_surface.len()).sum());
+        for (surface, (_, of_surface)) in (0..).zip(surfaces) {
+            triangles.extend(of_surface.iter().map(|&corners| (surface, corners)));
         }
+        let bounds: Vec<Bounds> = triangles.iter().map(|t| Bounds::of(&Triangle::of(surfaces, t).corners())).collect();
         let boxes = boxes::Tree::for_lines(&bounds);
         drop(bounds);
-        let numbered = |number: usize| {
-            let surface = before.partition_point(|&before| before <= number) - 1;
-            triangle(surface, surfaces[surface].1[number - before[surface]])
-        };
-        let triangles = boxes.order().iter().map(|&number| numbered(number as usize)).collect();
-        Tree { boxes, triangles }
+        let triangles = boxes.order().iter().map(|&number| triangles[number as usize]).collect();
+        Tree { boxes, triangles, surfaces }
     }
 
     /// Follows a line both ways from `start`, a point of the surface `own`, and looks against it for surfaces before and along
@@ -73,24 +56,25 @@ impl Tree {
         let mut hits = Hits::default();
         let line = Line::new(&start, normal);
         self.boxes.along(&start, normal, reach.map(|reach| reach.max(near)), |place, left| {
-            let triangle = &self.triangles[place];
-            if triangle.surface == own {
+            let at @ &(surface, _) = &self.triangles[place];
+            if surface == own {
                 return;
             }
+            let triangle = Triangle::of(self.surfaces, at);
             let Some(along) = triangle.place_along(&start, normal).filter(|along| triangle.is_met(&line, *along))
             else {
                 return;
             };
             let distance = along.abs();
             hits.near |= distance < near;
-            let side = usize::from(triangle.surface > own);
+            let side = usize::from(surface > own);
             let ahead = if side == 1 { along } else { -along };
             if ahead >= 0.0
                 && distance < hits.neighbours[side].unwrap_or(reach[side])
                 && triangle.sides[0].cross(&triangle.sides[1]).dot(normal) > 0.0
             {
                 hits.nearest[side] = Some(hits.nearest[side].map_or(distance, |nearest| nearest.min(distance)));
-                if triangle.surface.abs_diff(own) == 1 {
+                if surface.abs_diff(own) == 1 {
                     hits.neighbours[side] = Some(distance);
                     left[side] = distance.max(near);
                 }
@@ -101,6 +85,12 @@ impl Tree {
 }
 
 impl Triangle {
+    fn of(surfaces: &[SurfaceSlices], (surface, corners): &(u32, [u32; 3])) -> Self {
+        let points = surfaces[*surface as usize].0;
+        let [a, b, c] = corners.map(|corner| points[corner as usize]);
+        Triangle { corner: a, sides: [b - a, c - a] }
+    }
+
     fn corners(&self) -> [Point3<f64>; 3] {
         [self.corner, self.corner + self.sides[0], self.corner + self.sides[1]]
     }
