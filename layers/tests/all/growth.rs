@@ -208,6 +208,22 @@ fn a_part_in_the_air_and_other_bad_input_is_refused() {
     assert_eq!(peel(&cells, &part.platform, &Rules::default(), &stop), Err(PeelError::Cancelled));
 }
 
+#[test]
+fn peeling_counts_the_cells_that_are_off() {
+    let part = hook();
+    let cells = part.cells();
+    let said = std::sync::Mutex::new(Vec::new());
+    let note = |tick: Progress| {
+        said.lock().unwrap().push((tick.stage, tick.done, tick.total));
+        ControlFlow::Continue(())
+    };
+    peel(&cells, &part.platform, &Rules::default(), &note).unwrap();
+    let (said, all) = (said.into_inner().unwrap(), cells.count() as u64);
+    assert!(said.len() > 2 && said.windows(2).all(|pair| pair[0].1 < pair[1].1), "{said:?}");
+    assert!(said.iter().all(|&(stage, done, total)| stage == "peel" && done <= total && total == all));
+    assert_eq!(said.last().map(|last| last.1), Some(all));
+}
+
 /// Memory goes by the cells, not by the values of a governing field; what counts is their order alone.
 #[test]
 fn values_of_a_governing_field_may_be_any_number() {

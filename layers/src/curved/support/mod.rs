@@ -476,3 +476,19 @@ fn straight_columns(cells: &Cells, missed: &[u32]) -> usize {
         |(&column, &z): (&u32, &u32)| (0..z).filter(|z| !cells.contains(cells.position(column + z * level))).count();
     lowest.iter().map(empty).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_come_from_the_lowest_level_up_and_from_the_middle_outward() {
+        let rows = [0b111_1111, 0b111_1110, 0b111_1111]; // three levels of a row of seven, without one cell of the middle level
+        let cells = Cells::new([7, 1, 3], &rows).unwrap();
+        let hanging: Vec<u32> = (7..21).filter(|&cell| cell != 7).collect();
+        // The lowest six have their middle at 3.5; those above go by it, too.
+        let level = |first: u32, places: &[u32]| places.iter().map(|place| first + place).collect::<Vec<_>>();
+        let expected = [level(7, &[3, 4, 2, 5, 1, 6]), level(14, &[3, 4, 2, 5, 1, 6, 0])].concat();
+        assert_eq!(middle_first(&cells, hanging), expected);
+    }
+}

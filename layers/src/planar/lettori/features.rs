@@ -81,3 +81,30 @@ pub(super) fn close_small(section: &Region, size: f64, [low, high]: [f64; 2], fe
     }
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bar of so many millimetres beside a square.
+    fn with_a_bar(wide: f64) -> Region {
+        let rectangle = |x: f64, wide: f64| {
+            let outer = [[x, 0.0], [x + wide, 0.0], [x + wide, 30.0], [x, 30.0]].map(Point2::from).to_vec();
+            SectionPolygon { outer, holes: Vec::new() }
+        };
+        Region::of(&[rectangle(0.0, 30.0), rectangle(60.0, wide)])
+    }
+
+    #[test]
+    fn islands_narrower_than_a_feature_are_left_out_and_no_others() {
+        for (wide, left_out) in [(5.0, true), (7.0, false), (20.0, false)] {
+            let mut features = Vec::new();
+            let kept = close_small(&with_a_bar(wide), 6.0, [0.0, 3.0], &mut features);
+            let area = 900.0 + if left_out { 0.0 } else { 30.0 * wide };
+            assert!((kept.area() - area).abs() < 1e-6 * area, "{wide}: {}", kept.area());
+            let found: Vec<_> = features.iter().map(|feature| (feature.kind, feature.volume_mm3.round())).collect();
+            let island = (FeatureKind::Island, 90.0 * wide);
+            assert_eq!(found, if left_out { vec![island] } else { Vec::new() }, "{wide}");
+        }
+    }
+}

@@ -364,6 +364,33 @@ mod tests {
         assert_eq!([4, 8].map(|at| map.heights[at].to_bits()), [1.0, f64::NEG_INFINITY].map(f64::to_bits));
     }
 
+    /// Corners lie outside of the circle, the middles of sides on it.
+    #[test]
+    fn the_platform_in_triangles_holds_the_circle() {
+        let head = Head::default();
+        let middle = Point3::new(3.0, 4.0, 5.0);
+        let triangles = head.platform(&middle, &Vector3::z());
+        assert_eq!(triangles.len(), SIDES);
+        for [_, a, b] in triangles {
+            let (side, corner) = ((nalgebra::center(&a, &b) - middle).norm(), (a - middle).norm());
+            assert!((side - head.platform_radius).abs() < 1e-9 && corner > side, "{side} {corner}");
+        }
+    }
+
+    /// A sheet that stands upright has no width along one axis of the map.
+    #[test]
+    fn an_upright_sheet_is_no_empty_part() {
+        let direction = Vector3::z();
+        let [u, v] = across(&direction);
+        let sheet =
+            |along: Vector3<f64>| [[Point3::origin(), Point3::origin() + along * 4.0, Point3::new(0.0, 0.0, 4.0)]];
+        let over = |p: f64, q: f64| Point3::from(u * p + v * q + direction * 6.0);
+        let standing = [[over(-9.0, -9.0), over(9.0, -9.0), over(0.0, 18.0)]];
+        for along in [u, v] {
+            assert!(Head::default().meets(&direction, sheet(along).iter(), standing.iter()), "{along}");
+        }
+    }
+
     #[test]
     fn a_part_without_faces_meets_nothing() {
         let standing = [[Point3::origin(), Point3::new(1.0, 0.0, 9.0), Point3::new(0.0, 1.0, 9.0)]];

@@ -362,6 +362,24 @@ mod tests {
     use super::*;
     use crate::planar::{Partition, Solid};
 
+    /// Slow twin: rows of points of the triangle with these heights of its corners.
+    #[test]
+    fn the_share_below_a_height_is_that_of_its_points() {
+        const ROWS: usize = 600;
+        for heights in [[0.0, 1.0, 3.0], [1.0, 2.0, 4.0], [-2.0, -2.0, 0.5], [1.0, 5.0, 5.0]] {
+            let [a, b, c] = heights;
+            for step in -1..=11 {
+                let z = a + (c - a) * f64::from(step) / 10.0;
+                let shares = (0..ROWS).flat_map(|i| (0..ROWS - i).map(move |k| [i, k]));
+                let shares = shares.map(|at| at.map(|n| (n as f64 + 1.0 / 3.0) / ROWS as f64));
+                let below = shares.clone().filter(|[s, t]| a + (b - a) * s + (c - a) * t < z).count();
+                let slow = below as f64 / shares.count() as f64;
+                let share = share_below(heights, z);
+                assert!((share - slow).abs() < 5.0 / ROWS as f64, "{heights:?} below {z}: {share} {slow}");
+            }
+        }
+    }
+
     /// A table of 40 by 8 mm on two legs, and a knob on it: walls of a cell, with the lower half of one leg cut off as an earlier part.
     fn table() -> (Vec<Wall>, RiskModel) {
         let inside = |x: usize, z: usize| {

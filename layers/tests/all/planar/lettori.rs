@@ -167,11 +167,21 @@ fn what_is_behind_a_base_is_found() {
     let found = audit_volumes(&solid, &parts, &options, &AuditOptions::default());
     assert!(!found.is_ok && (found.parts[1].unlayered_mm3 - 30.0 * 900.0).abs() < 1e-3, "{:?}", found.parts[1]);
     assert!((found.parts[1].layered_mm3 - 27.0 * 900.0).abs() < 1e-3);
+    assert!((found.parts[1].sections_mm3 - 27.0 * 900.0).abs() < 1e-3, "{:?}", found.parts[1]);
     // Sections that are not those of the mesh are found, unless features are left out.
     parts[1] = decompose(&solid, &options).parts.remove(1);
     parts[1].layers[4].section = Region::default();
     let found = audit_volumes(&solid, &parts, &options, &AuditOptions::default());
     assert!(!found.is_ok && (found.parts[1].left_out_mm3 - 2700.0).abs() < 200.0, "{:?}", found.parts[1]);
+    // A layer 2 mm wider hangs nowhere, but is not that of the mesh either.
+    let mut wider = decompose(&solid, &options).parts;
+    wider[1].layers[4].section = wider[1].layers[4].section.offset(2.0).unwrap();
+    let audit = |min_feature_mm: f64| {
+        audit_volumes(&solid, &wider, &VolumeOptions { min_feature_mm, ..options }, &AuditOptions::default())
+    };
+    let spoilt = &audit(0.0).parts[1];
+    assert!(spoilt.added_mm3 > 500.0 && spoilt.unsupported_mm2 <= 0.0, "{spoilt:?}");
+    assert_eq!([audit(0.0).is_ok, audit(6.0).is_ok], [false, true]);
     // What lies on the layer that is not there hangs.
     assert!(found.parts[1].unsupported_mm2 > 500.0);
 }

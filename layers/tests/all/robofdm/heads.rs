@@ -125,8 +125,12 @@ fn a_beam_search_needs_no_segments_and_cuts_handles() {
     let options = BeamOptions { tuning, width: 4, branches: 3, ..BeamOptions::default() };
     let parts = beam_search(&whole, None, &options, &go).unwrap();
     assert!(parts.risky_mm2() <= 0.1 * parts.risky_before_mm2, "{} {}", parts.risky_mm2(), parts.risky_before_mm2);
+    assert!(parts.parts.len() > 1);
     let audit = judged(&whole, &parts, None);
     assert!(audit.misplaced_points == 0 && audit.volume_error.abs() < 1e-12 && audit.looking_down.is_empty());
+    // Where all the risk there is may stay, nothing is cut.
+    let content = BeamOptions { tuning: TuningOptions { goal: 1.0, ..tuning }, ..options };
+    assert_eq!(beam_search(&whole, None, &content, &go).unwrap().parts.len(), 1);
     // One thread, the same.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(pool.install(|| beam_search(&whole, None, &options, &go)).unwrap(), parts);

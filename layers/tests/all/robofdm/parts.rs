@@ -90,6 +90,10 @@ fn cuts_save_risky_area_and_parts_fit_whatever_is_left() {
         let audit = audited(&shape, &parts);
         assert_eq!((audit.misplaced_points, audit.looking_down.len()), (0, 0));
     }
+    // As many parts as there are may be: nothing is merged for that.
+    let all = decomposed(&shape, &tuning()).unwrap();
+    let as_many = TuningOptions { max_parts: all.parts.len(), ..tuning() };
+    assert_eq!(decomposed(&shape, &as_many).unwrap().risky_after_phases_mm2[..2], all.risky_after_phases_mm2[..2]);
     // No part is smaller than may be.
     let large = decomposed(&shape, &TuningOptions { min_piece: 0.05, perturbations: 0, ..tuning() }).unwrap();
     assert!(large.parts.iter().all(|part| part.solid.volume() >= 0.05 * whole * (1.0 - 1e-9)));

@@ -173,3 +173,29 @@ fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
     corners.sort_unstable();
     corners
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tetrahedron_has_six_edges_and_none_that_may_collapse() {
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Point3::from);
+        let complex = Complex::new(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+        let edges: Vec<_> = complex.edges().collect();
+        assert_eq!(edges, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]);
+        assert!(edges.iter().all(|&[a, b]| !complex.is_collapsible_on_surface(a, b)));
+    }
+
+    /// Two pyramids base to base: a tip may go to a corner of the base, which leaves more than a tetrahedron there, and no corner to another one.
+    #[test]
+    fn tips_of_two_pyramids_may_collapse() {
+        let turn = |k: u32| f64::from(k) * std::f64::consts::FRAC_PI_3;
+        let base = (0..6).map(|k| Point3::new(turn(k).cos(), turn(k).sin(), 0.0));
+        let points: Vec<_> = base.chain([1.0, -1.0].map(|z| Point3::new(0.0, 0.0, z))).collect();
+        let side = |k: u32| [[k, (k + 1) % 6, 6], [(k + 1) % 6, k, 7]];
+        let complex = Complex::new(&points, &(0..6).flat_map(side).collect::<Vec<_>>());
+        assert!((0..6).all(|k| complex.is_collapsible_on_surface(k, 6) && complex.is_collapsible_on_surface(7, k)));
+        assert!((0..6).all(|k| !complex.is_collapsible_on_surface(k, (k + 1) % 6)));
+    }
+}
