@@ -104,10 +104,9 @@ pub(crate) struct Tree {
 
 impl Tree {
     /// `boxes` are those of the triangles.
-    pub(crate) fn new(boxes: &[Bounds]) -> Tree {
-        let tree = Tree::for_lines(boxes);
-        let boxes = tree.order.iter().map(|&triangle| boxes[triangle as usize]).collect();
-        Tree { boxes, ..tree }
+    pub(crate) fn new(boxes: Vec<Bounds>) -> Tree {
+        let tree = Tree::for_lines(&boxes);
+        Tree { boxes: ordered(boxes, tree.order.clone()), ..tree }
     }
 
     /// A tree that does not keep the boxes of the triangles: for all questions but [`Tree::meeting`].
@@ -210,6 +209,22 @@ impl Tree {
     }
 }
 
+/// The items that stand at the places `from`, in that order. Nothing is copied: each cycle of places passes its items on by swaps.
+fn ordered<T>(mut items: Vec<T>, mut from: Vec<u32>) -> Vec<T> {
+    for start in 0..from.len() {
+        let mut at = start;
+        loop {
+            let next = std::mem::replace(&mut from[at], at as u32) as usize;
+            if next == start {
+                break;
+            }
+            items.swap(at, next);
+            at = next;
+        }
+    }
+    items
+}
+
 /// How many nodes a tree over so many triangles has, whatever these are.
 fn count_nodes(triangles: usize) -> usize {
     let half = triangles / 2;
@@ -280,7 +295,7 @@ mod tests {
         ) {
             let real = |v: [i32; 3]| v.map(f64::from);
             let all = boxes(&ends.iter().map(|&(at, size)| (real(at), real(size))).collect::<Vec<_>>());
-            let tree = Tree::new(&all);
+            let tree = Tree::new(all.clone());
             for one in &all {
                 let mut found = Vec::new();
                 tree.meeting(one, |k| found.push(k));

@@ -108,7 +108,7 @@ impl<'a> AllTriangles<'a> {
                 boxes.push(Bounds::of(corners.map(|corner| &points[corner as usize])));
             }
         }
-        Ok(AllTriangles { surfaces, places, borders, tree: Tree::new(&boxes) })
+        Ok(AllTriangles { surfaces, places, borders, tree: Tree::new(boxes) })
     }
 
     pub(super) fn corners(&self, [surface, triangle]: [u32; 2]) -> [&'a Point3<f64>; 3] {

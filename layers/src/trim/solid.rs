@@ -84,7 +84,7 @@ impl Solid {
         }
         let holed = !edges.are_balanced(&triangles);
         let boxes: Vec<_> = triangles.iter().map(|t| Bounds::of(t.map(|c| &points[c as usize]))).collect();
-        let tree = Tree::new(&boxes);
+        let tree = Tree::new(boxes);
         let holes = holed.then(|| Dipoles::new(&Mesh { points: &points, triangles: &triangles, tree: &tree }));
         let rule = InsideRule::NonZero;
         Ok(Solid { points, triangles, sides: edges.sides, ends: edges.ends, tree, holes, rule })
