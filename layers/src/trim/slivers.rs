@@ -126,11 +126,13 @@ impl Cleaner<'_> {
         let other = next(half);
         self.surface.fan(half, &mut near);
         self.surface.fan(other, &mut far);
-        let done = if self.cut_off(half, &far, half) <= self.cut_off(half, &near, other) {
-            self.contract_to(half, &near, other, &far) || self.contract_to(other, &far, half, &near)
-        } else {
-            self.contract_to(other, &far, half, &near) || self.contract_to(half, &near, other, &far)
-        };
+        let ends = [(half, &near), (other, &far)];
+        let off = |kept: usize| self.cut_off(half, ends[1 - kept].1, ends[kept].0);
+        let first = usize::from(off(0) > off(1));
+        let done = [first, 1 - first].into_iter().any(|kept| {
+            let [(kept, kept_fan), (lost, lost_fan)] = [ends[kept], ends[1 - kept]];
+            self.contract_to(kept, kept_fan, lost, lost_fan)
+        });
         self.fans = [near, far];
         done
     }

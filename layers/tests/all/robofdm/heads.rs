@@ -8,6 +8,7 @@ use curvlay_layers::planar::robofdm::{
     SequenceOptions, TuningOptions, audit_parts, beam_search, plan_sequence, segment, tune,
 };
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A small head for shapes of 30 mm.
 fn head() -> Head {
@@ -123,7 +124,16 @@ fn a_beam_search_needs_no_segments_and_cuts_handles() {
     let whole = solid(&shape);
     let tuning = TuningOptions { platform: 2.0, spacing: 2.0, normals: 40, ..TuningOptions::default() };
     let options = BeamOptions { tuning, width: 4, branches: 3, ..BeamOptions::default() };
-    let parts = beam_search(&whole, None, &options, &go).unwrap();
+    let most = AtomicU64::new(0);
+    let note = |tick: Progress| {
+        if tick.stage == "beam" {
+            most.fetch_max(tick.done, Ordering::Relaxed);
+        }
+        ControlFlow::Continue(())
+    };
+    let parts = beam_search(&whole, None, &options, &note).unwrap();
+    // It is the search that cuts, not what cuts on behind it.
+    assert!(most.into_inner() > 1);
     assert!(parts.risky_mm2() <= 0.1 * parts.risky_before_mm2, "{} {}", parts.risky_mm2(), parts.risky_before_mm2);
     assert!(parts.parts.len() > 1);
     let audit = judged(&whole, &parts, None);
