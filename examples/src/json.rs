@@ -37,7 +37,7 @@ mod tests {
     fn the_place_comes_first() {
         let said = |text: &str| JsonFault::from(&serde_json::from_str::<[u8; 2]>(text).unwrap_err()).to_string();
         assert_eq!(said("hello"), "line 1, column 1: not JSON: expected value");
-        assert_eq!(said("[1,\n"), "line 2, column 0: not JSON: EOF while parsing a list");
+        assert_eq!(said("[1,\n"), "line 2, column 0: not JSON: EOF while parsing a value");
         assert_eq!(said("[1,\n300]"), "line 2, column 3: invalid value: integer `300`, expected u8");
     }
 }
