@@ -44,8 +44,8 @@ fn a_profile_is_judged_by_the_rules_of_the_options() {
         (r#"{"fan_share": 1.5}"#, "`fan_share` is 1.5: must be from 0 to 1"),
         (r#"{"filament_diameter_mm": 100}"#, "must be from 0.1 to 50 mm"),
         (r#"{"nozzle": [0, 30, 8, 30]}"#, "`nozzle`: "),
-        (r#"{"dialect": "latin"}"#, "line 1 column "),
-        (r#"{"walls": 1.5}"#, "line 1 column "),
+        (r#"{"dialect": "latin"}"#, "line 1, column "),
+        (r#"{"walls": 1.5}"#, "line 1, column "),
     ] {
         let error = Profile::from_json(text).unwrap_err();
         assert!(error.contains(words), "{text}: {error}");

@@ -193,7 +193,7 @@ fn profiles_are_taken_and_options_win() {
         ("{\n\"bead_mm\": 0.5,\n\"beads_mm\": 3}", 1, "line 3: `beads_mm` is not a setting; did you mean `bead_mm`?"),
         (r#"{"colour of the machine": 0.2}"#, 1, "settings are "),
         (r#"{"bead_mm": -0.5}"#, 1, "`bead_mm` is -0.5: must be above 0"),
-        (r#"{"bead_mm": "wide"}"#, 1, "line 1 column"),
+        (r#"{"bead_mm": "wide"}"#, 1, "line 1, column"),
         (r#"{"nozzle": [9, 30, 8, 30]}"#, 1, "`nozzle`: "),
         (r#"{"start_gcode": ["G28", "M109 S{nozle}"]}"#, 1, "the header, line 2: `{nozle}` is not one of nozzle"),
         (r#"{"start_gcode": ["G28", "M109\nS210"]}"#, 1, "`start_gcode`, line 2: a line break within a line"),
