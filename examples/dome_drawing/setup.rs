@@ -264,7 +264,7 @@ mod tests {
         assert!(read("{\n\"home_mm\": [1, 2]}").starts_with("line 2: `home_mm`: invalid length 2"));
         let text = "line 2: `hop_mm`: invalid type: string \"20\", expected f64";
         assert_eq!(read("{\n\"name\": \"üüüü\", \"hop_mm\": \"20\",\"pole_mm\":1}"), text);
-        assert!(read("{\n\"hop_mm\": 3").starts_with("line 2: EOF"));
+        assert!(read("{\n\"hop_mm\": 3").starts_with("line 2: not JSON: EOF"));
         assert!(read("{\"hop_mm\": 3, \"speed\": 3}").starts_with("line 1: unknown field `speed`"));
     }
 
