@@ -106,8 +106,8 @@ pub enum PlanError {
     #[error("it has version {found}: this program reads version {VERSION}")]
     Version { found: u64 },
     /// JSON that cannot be, a field that is missing or unknown.
-    #[error("line {line}, column {column}: {what}")]
-    Json { line: usize, column: usize, what: String },
+    #[error("{0}")]
+    Json(JsonFault),
     /// The setup has a value that cannot be.
     #[error("`setup.{key}` {what}")]
     Setup { key: &'static str, what: String },
@@ -138,9 +138,10 @@ struct Head {
     version: Option<u64>,
 }
 
-fn json(error: &serde_json::Error) -> PlanError {
-    let JsonFault { line, column, what } = JsonFault::from(error);
-    PlanError::Json { line, column, what }
+impl From<serde_json::Error> for PlanError {
+    fn from(error: serde_json::Error) -> Self {
+        PlanError::Json(JsonFault::from(&error))
+    }
 }
 
 impl Plan {
@@ -196,7 +197,7 @@ impl Plan {
 
     /// Reads a plan.
     fn from_json(text: &str) -> Result<Self, PlanError> {
-        let head: Head = serde_json::from_str(text).map_err(|error| json(&error))?;
+        let head: Head = serde_json::from_str(text)?;
         if head.format.as_deref() != Some(FORMAT) {
             return Err(PlanError::Format);
         }
@@ -204,7 +205,7 @@ impl Plan {
             Some(VERSION) | None => {}
             Some(found) => return Err(PlanError::Version { found }),
         }
-        let plan: Plan = serde_json::from_str(text).map_err(|error| json(&error))?;
+        let plan: Plan = serde_json::from_str(text)?;
         plan.check()?;
         Ok(plan)
     }
@@ -430,7 +431,7 @@ mod tests {
         );
         // What is no number is written as null.
         let line = |error: PlanError| match error {
-            PlanError::Json { line, what, .. } => (line, what),
+            PlanError::Json(JsonFault { line, what, .. }) => (line, what),
             other => panic!("{other}"),
         };
         let (at, what) = line(of(&|plan| plan.strokes[0].points[1][2] = f64::NAN));

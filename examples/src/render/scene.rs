@@ -213,16 +213,15 @@ impl Scene {
     ) -> Vec<Image> {
         let [width, height] = [width, height].map(|side| side.clamp(1, Image::MAX_SIDE / 2));
         let mut canvas = Canvas::new(width, height);
-        let part = |number: usize, earlier: usize| {
-            let mut part = Scene { platform: self.platform.clone(), earlier, ..Scene::new(self.camera) };
+        let with = |number: usize, mut part: Scene| {
             add(number, &mut part);
             part
         };
         // From below the platform would hide the part.
         let platform = self.platform.as_ref().filter(|_| self.camera.toward.z > 0.0);
         let parts = 0..until.last().copied().unwrap_or(0);
-        // Where shade falls does not matter yet: as few points of it as there can be.
-        let of_parts = parts.flat_map(|number| part(number, usize::MAX / 2).facets);
+        // Without a platform nothing is kept for its shade.
+        let of_parts = parts.flat_map(|number| with(number, Scene::new(self.camera)).facets);
         let of_facets = self.facets.iter().copied().chain(of_parts).flat_map(|facet| facet.corners).map(to_f64);
         let of_platform = platform.iter().flat_map(|(corners, z)| corners.iter().map(|c| Vector3::new(c[0], c[1], *z)));
         let points = of_facets.chain(of_platform).map(|p| self.camera.project(&p));
@@ -233,7 +232,8 @@ impl Scene {
         let (mut shading, mut drawn, mut from) = (self.shading.clone(), self.facets.len(), 0);
         let picture = |&until: &usize| {
             for number in from..until {
-                let part = part(number, drawn);
+                let bare = Scene { platform: self.platform.clone(), earlier: drawn, ..Scene::new(self.camera) };
+                let part = with(number, bare);
                 draw_facets(&mut canvas, &view, &part.facets);
                 drawn += part.facets.len();
                 shading.extend(part.shading);

@@ -71,20 +71,6 @@ fn the_arms_of_a_tee_become_parts_that_need_no_support() {
     assert!(audit.volume_error.abs() < 1e-12);
 }
 
-/// A beam on the platform with a post in its middle: three segments, none of which hangs over when all are printed upright.
-#[test]
-fn parts_that_gain_nothing_are_merged() {
-    let shape = cells([40, 12, 30], |p| {
-        let within = |low: [f64; 3], high: [f64; 3]| {
-            (0..3).map(|k| (low[k] - p[k]).max(p[k] - high[k])).fold(f64::NEG_INFINITY, f64::max)
-        };
-        within([2.1, 2.1, 1.1], [37.9, 9.9, 8.9]).min(within([16.1, 2.1, 1.1], [23.9, 9.9, 27.9]))
-    });
-    let segmentation = segment(&shape.points, &shape.triangles, &SegmentOptions::default()).unwrap();
-    assert!(segmentation.borders.len() > 1, "{}", segmentation.borders.len());
-    assert_eq!(decomposed(&shape, &tuning()).unwrap().parts.len(), 1);
-}
-
 #[test]
 fn cuts_save_risky_area_and_parts_fit_whatever_is_left() {
     let shape = hook();
