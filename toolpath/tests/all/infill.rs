@@ -497,6 +497,37 @@ fn runs_between(path: &SurfacePath) -> Vec<f64> {
     pairs.map(|[from, to]| arc(from - 1, to)).collect()
 }
 
+/// A slit through all layers below the top has walls on both sides, which carry skins for a few beads: too few for a change of kind, at any size.
+#[test]
+fn kinds_do_not_flicker_at_any_size() {
+    for size in [0.5, 6.0] {
+        let layer = |k: usize| {
+            let place = |p: nalgebra::Point2<f64>| {
+                let x = p.x.min(15.0) + 0.05 * (p.x - 15.0).clamp(0.0, 1.0) + (p.x - 16.0).max(0.0);
+                Point3::new(size * x, size * p.y, size * 0.6 * (k as f64 + 0.5))
+            };
+            grid(31, k as u64, 0.6, |i, _| k < 8 && i == 15, place)
+        };
+        let meshes: Vec<_> = (0..10).map(layer).collect();
+        let thickness: Vec<_> = meshes.iter().map(|mesh| vec![0.6 * size; mesh.triangles().len()]).collect();
+        let surface = |(mesh, thickness)| {
+            let mesh: &SurfaceMesh = mesh;
+            let thickness: &Vec<f64> = thickness;
+            LayerSurface { vertices: mesh.vertices(), triangles: mesh.triangles(), thickness, is_half: false }
+        };
+        let surfaces: Vec<_> = meshes.iter().zip(&thickness).map(surface).collect();
+        let infill = InfillOptions { density: 0.1, walls: 1, skin: 2, ..InfillOptions::default() };
+        let filled =
+            fill_layers(&surfaces, &PathOptions { bead: size, infill, ..PathOptions::default() }, &go_on).unwrap();
+        let paths: Vec<&SurfacePath> = filled.layers[8].iter().flat_map(|layer| &layer.paths.paths).collect();
+        let bridges = paths.iter().flat_map(|path| &path.points).filter(|point| point.kind == BeadKind::Bridge);
+        assert!(bridges.count() > 100);
+        for length in paths.into_iter().flat_map(runs_between) {
+            assert!(length > 5.0 * size, "{length} mm of beads of {size}");
+        }
+    }
+}
+
 /// Only figures of areas are left out, and whether fitted beads cross is still known.
 #[test]
 fn without_coverage_the_paths_are_the_same() {
