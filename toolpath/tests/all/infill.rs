@@ -10,7 +10,7 @@ use curvlay_toolpath::fill::{
 use curvlay_toolpath::infill::{FillError, SparseFill};
 use curvlay_toolpath::layer::{LayerSurface, StackError};
 use curvlay_toolpath::mesh::SurfaceMesh;
-use curvlay_toolpath::nalgebra::{Point3, Vector3};
+use curvlay_toolpath::nalgebra::{Point2, Point3, Vector3};
 use curvlay_toolpath::path::{BeadKind, InfillOptions, InfillPattern, PathError, PathOptions, Pattern, SurfacePath};
 use curvlay_toolpath::plan::PrintOptions;
 use curvlay_toolpath::support::{SupportOptions, check_support};
@@ -502,7 +502,7 @@ fn runs_between(path: &SurfacePath) -> Vec<f64> {
 fn kinds_do_not_flicker_at_any_size() {
     for size in [0.5, 6.0] {
         let layer = |k: usize| {
-            let place = |p: nalgebra::Point2<f64>| {
+            let place = |p: Point2<f64>| {
                 let x = p.x.min(15.0) + 0.05 * (p.x - 15.0).clamp(0.0, 1.0) + (p.x - 16.0).max(0.0);
                 Point3::new(size * x, size * p.y, size * 0.6 * (k as f64 + 0.5))
             };
@@ -510,15 +510,10 @@ fn kinds_do_not_flicker_at_any_size() {
         };
         let meshes: Vec<_> = (0..10).map(layer).collect();
         let thickness: Vec<_> = meshes.iter().map(|mesh| vec![0.6 * size; mesh.triangles().len()]).collect();
-        let surface = |(mesh, thickness)| {
-            let mesh: &SurfaceMesh = mesh;
-            let thickness: &Vec<f64> = thickness;
-            LayerSurface { vertices: mesh.vertices(), triangles: mesh.triangles(), thickness, is_half: false }
-        };
-        let surfaces: Vec<_> = meshes.iter().zip(&thickness).map(surface).collect();
+        let part = Part { meshes, thickness };
         let infill = InfillOptions { density: 0.1, walls: 1, skin: 2, ..InfillOptions::default() };
-        let filled =
-            fill_layers(&surfaces, &PathOptions { bead: size, infill, ..PathOptions::default() }, &go_on).unwrap();
+        let options = PathOptions { bead: size, infill, ..PathOptions::default() };
+        let filled = fill_layers(&part.surfaces(), &options, &go_on).unwrap();
         let paths: Vec<&SurfacePath> = filled.layers[8].iter().flat_map(|layer| &layer.paths.paths).collect();
         let bridges = paths.iter().flat_map(|path| &path.points).filter(|point| point.kind == BeadKind::Bridge);
         assert!(bridges.count() > 100);

@@ -248,4 +248,32 @@ mod tests {
             assert!(near(&whole.jerks, &jerks), "{count}");
         }
     }
+
+    /// One hurried piece far from both ends: only the pieces around it are solved, and come out as if all were.
+    #[test]
+    fn scaled_around_one_place_the_rest_of_the_spline_stays() {
+        const COUNT: usize = 400;
+        let mut times = vec![0.0];
+        (0..=COUNT).for_each(|k| times.push(times[k] + if k == 200 { 0.008 } else { 0.02 }));
+        let inner: Vec<[f64; 2]> = (0..COUNT).map(|k| [(0.3 + 0.05 * k as f64).sin(), 0.1 + 0.02 * k as f64]).collect();
+        let first = Spline::new(times, &inner).unwrap();
+        let jerk_at = |k: usize| first.jerks[k].iter().fold(0.0f64, |most, jerk| most.max(jerk.abs()));
+        let bounds = Bounds::<2> { jerk: [0.9 * jerk_at(200); 2], ..Bounds::NONE };
+        let (options, planned, max_pace) = (TimePathOptions::default(), [0.0, 1.0], [1.0]);
+        let task = Task::new(&planned, &max_pace, None, &bounds, &options);
+        let mut excess: Vec<f64> = (0..=COUNT).map(|k| first.excess(&task, k)).collect();
+        // Pieces beside it may be as hasty; those at the ends, where the path starts all at once, must not be.
+        let (ends, middle) = (excess[..100].iter().chain(&excess[300..]), &excess[100..300]);
+        assert!(ends.fold(0.0, |most: f64, e| most.max(*e)) <= 1.0 && middle.iter().any(|e| *e > 1.0));
+        let mut spline = first.clone();
+        spline.scale(&task, &inner, &mut excess).unwrap();
+        assert!(spline.times[COUNT + 1] > first.times[COUNT + 1]);
+        let whole = Spline::new(spline.times.clone(), &inner).unwrap();
+        assert!(near(&spline.accelerations, &whole.accelerations));
+        assert!(near(&spline.jerks, &whole.jerks) && near(&spline.speeds, &whole.speeds));
+        assert!((0..=COUNT).all(|k| (excess[k] - whole.excess(&task, k)).abs() < 1e-9));
+        for k in (0..100).chain(301..=COUNT) {
+            assert_eq!((first.accelerations[k], first.jerks[k]), (spline.accelerations[k], spline.jerks[k]), "{k}");
+        }
+    }
 }

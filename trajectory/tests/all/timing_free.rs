@@ -97,7 +97,9 @@ fn sum(count: usize, length: f64, range: FreeRange) -> impl Robot<2, 1> {
         waypoints: count,
         free: [range],
         solutions: move |i: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 2])| each(0, joints(i, free)),
-        posture: move |i: usize, free: &[f64; 1], _| Some(Posture { joints: joints(i, free), rates: [[-1.0, 1.0]] }),
+        posture: move |i: usize, free: &[f64; 1], branch: u32| {
+            (branch == 0).then(|| Posture { joints: joints(i, free), rates: [[-1.0, 1.0]] })
+        },
     }
 }
 
@@ -395,6 +397,10 @@ fn errors_name_what_is_wrong() {
     other[3].free = [0.0];
     other[2].joints[1] = f64::NAN;
     assert_eq!(run(&other, &times, &sound, default), TimeFreeError::Start { waypoint: 2, branch: 0 });
+    // The robot has no other branch.
+    let mut other = start.clone();
+    other[4].branch = 1;
+    assert_eq!(run(&other, &times, &sound, default), TimeFreeError::Start { waypoint: 4, branch: 1 });
     for (field, options) in [
         ("tolerance", TimeFreeOptions { tolerance: 0.0, ..default }),
         ("tolerance", TimeFreeOptions { tolerance: f64::NAN, ..default }),
