@@ -7,6 +7,11 @@ pub fn percent(share: f64) -> String {
     if share > 0.0 && share < 5e-5 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * share) }
 }
 
+/// A length of something that is wrong in words, such as `0.24 mm`.
+pub fn millimetres(length_mm: f64) -> String {
+    if length_mm > 0.0 && length_mm < 5e-3 { "less than 0.01 mm".to_owned() } else { format!("{length_mm:.2} mm") }
+}
+
 /// The option with a value, rounded up to two digits, that accepts a share; empty for none.
 ///
 /// # Example
