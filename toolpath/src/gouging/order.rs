@@ -5,8 +5,8 @@
 //! cut out and laid before all else of the layer: then only earlier layers are there, and of these a tilt frees it. What is
 //! left of the path is laid as before, in two parts or more.
 //!
-//! Laid early, pieces may be in the way of others. So the layer is looked at once more, and the new order is kept if fewer
-//! waypoints are left; then what is left is cut out in turn.
+//! Laid early, pieces may be in the way of others. So the layer is looked at once more, and what is left is cut out in turn, a
+//! few times; the order that leaves the fewest waypoints is kept.
 //!
 //! Only what may have changed is looked at again: the pieces, what is left of their paths, and the paths that were laid before these; for all
 //! that comes later the same is built. When something is left out, only paths with waypoints that were not free.
@@ -25,9 +25,10 @@ use crate::ProgressFn;
 use crate::layer::LayerStack;
 use crate::orientation::ToolPath;
 use crate::parallel;
+use std::collections::BTreeMap;
 
-/// How often the orders of layers are changed. The third time frees two waypoints more on one model of three, a fourth none.
-const ROUNDS: usize = 3;
+/// How often the orders of layers are changed. On 300 rows over hills with 5,180 waypoints that gouge, 364 are left after three rounds, 24 after six.
+const ROUNDS: usize = 6;
 
 /// What paths are freed with.
 pub(super) struct Resolving<'a> {
@@ -153,30 +154,33 @@ impl Resolving<'_> {
         Ok(Run { places: orders.into_iter().flatten().collect(), gouging_before, left_out })
     }
 
-    /// Changes the orders of layers as long as fewer waypoints are left.
+    /// Changes the orders of layers in a few rounds, and keeps of each layer that with which the fewest waypoints are left.
     fn lay_first(&self, orders: &mut [Order], mut open: Vec<usize>) -> Result<(), GougingError> {
+        let mut best: BTreeMap<usize, Order> = BTreeMap::new();
         for _ in 0..ROUNDS {
-            let mut before = Vec::new();
-            for k in open {
+            open.retain(|&k| {
                 let Cut { pieces, mut rest, changed } = cut(&orders[k], |_, gouge| gouge.own_layer);
-                if !pieces.is_empty() {
-                    rest[..changed].iter_mut().for_each(|place| place.open = true);
-                    let mut order: Order = pieces.into_iter().map(|(path, _)| Place::new(path, true)).collect();
-                    order.append(&mut rest);
-                    before.push((k, std::mem::replace(&mut orders[k], order)));
+                if pieces.is_empty() {
+                    return false;
                 }
-            }
-            open = before.iter().map(|&(k, _)| k).collect();
+                rest[..changed].iter_mut().for_each(|place| place.open = true);
+                let mut order: Order = pieces.into_iter().map(|(path, _)| Place::new(path, true)).collect();
+                order.append(&mut rest);
+                let before = std::mem::replace(&mut orders[k], order);
+                if best.get(&k).is_none_or(|best| left(&before) < left(best)) {
+                    best.insert(k, before);
+                }
+                true
+            });
             if open.is_empty() {
                 break;
             }
             self.free(orders, &open)?;
-            for (k, order) in before {
-                // No fewer are left: the order before is put back with what it came to, so nothing has to be freed again.
-                if left(&orders[k]) >= left(&order) {
-                    orders[k] = order;
-                    open.retain(|&other| other != k);
-                }
+        }
+        for (k, order) in best {
+            // What it came to is put back with it, so nothing has to be freed again.
+            if left(&orders[k]) >= left(&order) {
+                orders[k] = order;
             }
         }
         Ok(())
