@@ -118,16 +118,38 @@ impl Cleaner<'_> {
         (self.surface.place(next(half)) - self.surface.place(half)).norm()
     }
 
-    /// Contracts an edge to one of its ends.
+    /// Contracts an edge to one of its ends. An edge of the boundary rather to the end that leaves the boundary nearer to where it was: a corner
+    /// beside a short edge stays.
     fn contract(&mut self, half: u32) -> bool {
         let [mut near, mut far] = std::mem::take(&mut self.fans);
         // Half-edges from both ends, in the triangle.
         let other = next(half);
         self.surface.fan(half, &mut near);
         self.surface.fan(other, &mut far);
-        let done = self.contract_to(half, &near, other, &far) || self.contract_to(other, &far, half, &near);
+        let ends = [(half, &near), (other, &far)];
+        let off = |kept: usize| self.cut_off(half, ends[1 - kept].1, ends[kept].0);
+        let first = usize::from(off(0) > off(1));
+        let done = [first, 1 - first].into_iter().any(|kept| {
+            let [(kept, kept_fan), (lost, lost_fan)] = [ends[kept], ends[1 - kept]];
+            self.contract_to(kept, kept_fan, lost, lost_fan)
+        });
         self.fans = [near, far];
         done
+    }
+
+    /// How far from the boundary the end of an edge would be that moves to where `kept` starts, mm; 0 for an edge inside.
+    fn cut_off(&self, edge: u32, lost_fan: &[u32], kept: u32) -> f64 {
+        let Across::End(_) = self.surface.across(edge) else { return 0.0 };
+        let [lost, end, goal] =
+            [self.surface.place(lost_fan[0]), self.beyond(edge, lost_fan), self.surface.place(kept)];
+        let along = goal - end;
+        let share = (lost - end).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (lost - end - along * share.clamp(0.0, 1.0)).norm()
+    }
+
+    /// The other neighbour on the boundary of the vertex of a fan, from which an edge of the boundary leads.
+    fn beyond(&self, edge: u32, fan: &[u32]) -> &Point3<f64> {
+        if fan[0] == edge { self.surface.place(previous(fan[fan.len() - 1])) } else { self.surface.place(next(fan[0])) }
     }
 
     /// Moves the end of an edge where `lost` starts to that where `kept` starts, if that may be.
@@ -167,7 +189,7 @@ impl Cleaner<'_> {
             else {
                 return false;
             };
-            let end = if lost_fan[0] == edge { surface.place(last) } else { surface.place(next(lost_fan[0])) };
+            let end = self.beyond(edge, lost_fan);
             let mesh = first_kind == BoundaryKind::Mesh;
             if first_kind != last_kind || (mesh && !self.on_mesh(&nalgebra::center(end, &goal))) {
                 return false;

@@ -118,6 +118,14 @@ fn a_foot_of_one_cell_has_a_surface() {
     assert!((first.area() - 64.0).abs() < 1.0, "{} of 64 mm2", first.area());
 }
 
+/// Found: one corner of each layer was cut off, by 0.0025 mm.
+#[test]
+fn a_plate_keeps_corners_beside_short_edges() {
+    let (boxes, cell) = (plate(8.0, 1.8384567377618746), 0.5331696744540604);
+    let laid = boxes.layers(cell, 1.365748929649307 * cell).spacing.volume_mm3 / boxes.volume();
+    assert!((laid - 1.0).abs() < 1e-6, "{laid}");
+}
+
 #[test]
 fn where_fronts_meet_in_the_middle_of_a_face_the_layers_reach_that_far() {
     // The field is highest at the middle of the roof of one triangle pair, far from all of its vertices.

@@ -58,6 +58,19 @@ fn a_slanted_sheet_through_a_box_in_any_pose() {
     }
 }
 
+/// Found: the edge was put together with its end at the corner gone, and the corner cut off.
+#[test]
+fn a_short_edge_of_the_boundary_leaves_the_corner_beside_it() {
+    for beyond in [1e-4, 1e-3, 2.5e-3, 5e-3, 0.03] {
+        let mesh = cuboid([-beyond, -beyond, 0.0], [10.0 + beyond, 10.0 + beyond, 5.0]);
+        // Edges of the boundary end at whole millimetres and at corners of the box.
+        let sheet = grid([14, 14], [false; 2], |u, v| P::new(14.0 * u - 2.0, 14.0 * v - 2.0, 2.5));
+        let trimmed = mesh.trimmer().thinned(0.1).trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
+        assert_relative_eq!(trimmed.area(), (10.0 + 2.0 * beyond).powi(2), max_relative = 1e-10);
+        assert_eq!(trimmed.boundary.len(), 40, "{beyond}");
+    }
+}
+
 #[test]
 fn the_border_inside_is_reported_apart() {
     let mesh = cuboid([0.0; 3], [10.0; 3]);
