@@ -9,7 +9,7 @@ use super::tape_outputs::{STRAIGHT_MM, layer_pictures, options, radius, tape_hea
 use super::{ANGLE_DEG, Args, WORST_COVERED};
 use curvlay_examples::args::Failure;
 use curvlay_examples::count::counted;
-use curvlay_examples::findings::{Findings, Severity, accept, millimetres, percent};
+use curvlay_examples::findings::{Findings, Severity, accept, percent};
 use curvlay_examples::motion::read_back::MAX_FILAMENT_SHARE;
 use curvlay_examples::motion::shown;
 use curvlay_examples::nalgebra::Point3;
@@ -166,7 +166,7 @@ fn find_bedding(args: &Args, run: &PartRun, findings: &mut Findings) {
         let place = format!("tape {} of layer {}", deepest.tape + 1, deepest.layer + 1);
         let what = "the roller presses into beads beside the tape";
         findings
-            .explain(Severity::Failed, what, format!("{} deep", millimetres(deepest.mm)), place)
+            .explain(Severity::Failed, what, format!("{:.2} mm deep", deepest.mm), place)
             .cause("the layer is hollow there, more than the roller is round")
             .try_to("`roller.diameter_mm` and `roller.width_mm` of the workcell with less, or other --layers");
     }

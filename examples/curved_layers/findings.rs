@@ -11,7 +11,7 @@ use crate::surfaces::SurfacesRun;
 use Severity::{Failed, Note, Warning};
 use curvlay_examples::args::AllowArgs;
 use curvlay_examples::count::{counted, grouped};
-use curvlay_examples::findings::{Findings, Severity, accept, millimetres, percent};
+use curvlay_examples::findings::{Findings, Severity, accept, at_most_mm, percent};
 use curvlay_kinematics::workcell::Workcell;
 use curvlay_layers::curved::{self, MissedReason, NoSupport};
 use curvlay_toolpath::gcode::flavour::{Direction, Flavour};
@@ -322,11 +322,8 @@ fn of_gouging(paths: &PathsRun, run: &MachineRun, args: &Args, findings: &mut Fi
         finding.allow(accept("--allow-gouging", share));
     }
     if run.resolved.lifted > 0 {
-        let amount = format!(
-            "at {}, by {} at most",
-            counted(run.resolved.lifted, "waypoint"),
-            millimetres(run.resolved.max_lift)
-        );
+        let amount =
+            format!("at {}, by {}", counted(run.resolved.lifted, "waypoint"), at_most_mm(run.resolved.max_lift));
         findings.add(Note, "the nozzle is raised a little where it would collide with printed material", amount, "");
     }
 }

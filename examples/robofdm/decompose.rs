@@ -5,7 +5,7 @@ use super::{Args, Avoid, Base, workcell};
 use curvlay_examples::args::{Failure, Part};
 use curvlay_examples::bars::Bars;
 use curvlay_examples::count::counted;
-use curvlay_examples::findings::{Findings, Severity, accept, millimetres, percent};
+use curvlay_examples::findings::{Findings, Severity, accept, at_most_mm, percent};
 use curvlay_examples::mesh::Mesh;
 use curvlay_examples::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use curvlay_examples::shapes;
@@ -299,7 +299,7 @@ impl Divided {
             findings.add(Severity::Warning, "base sections cross", "", format!("parts {} and {}", a + 1, b + 1));
         }
         for (part, &contacts) in audit.head_contacts.iter().enumerate().filter(|(_, contacts)| **contacts > 0) {
-            let amount = format!("{}, {} at most", counted(contacts, "place"), millimetres(audit.deepest_contact_mm));
+            let amount = format!("{}, {}", counted(contacts, "place"), at_most_mm(audit.deepest_contact_mm));
             findings.add(Severity::Failed, "the head is in what stands", amount, format!("part {}", part + 1));
         }
         for &part in audit.looking_down.iter().filter(|_| self.head.is_none()) {

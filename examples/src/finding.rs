@@ -7,9 +7,19 @@ pub fn percent(share: f64) -> String {
     if share > 0.0 && share < 5e-5 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * share) }
 }
 
-/// A length of something that is wrong in words, such as `0.24 mm`.
-pub fn millimetres(length_mm: f64) -> String {
-    if length_mm > 0.0 && length_mm < 5e-3 { "less than 0.01 mm".to_owned() } else { format!("{length_mm:.2} mm") }
+/// The largest of some lengths in words, such as `0.24 mm at most`.
+///
+/// # Example
+/// ```
+/// use curvlay_examples::findings::at_most_mm;
+/// assert_eq!([0.0, 0.0049, 0.24].map(at_most_mm), ["0.00 mm at most", "less than 0.01 mm", "0.24 mm at most"]);
+/// ```
+pub fn at_most_mm(length_mm: f64) -> String {
+    if length_mm > 0.0 && length_mm < 5e-3 {
+        "less than 0.01 mm".to_owned()
+    } else {
+        format!("{length_mm:.2} mm at most")
+    }
 }
 
 /// The option with a value, rounded up to two digits, that accepts a share; empty for none.

@@ -1,7 +1,7 @@
 //! What a run finds wrong, as data. One list, from which come the lines on stderr, the notices on top of the report, keys of
 //! the summary, and the exit status: all of them show the same.
 
-pub use crate::finding::{Finding, Severity, accept, millimetres, percent};
+pub use crate::finding::{Finding, Severity, accept, at_most_mm, percent};
 use crate::outcome::Outcome;
 use crate::report::Report;
 use crate::summary::{Summary, SummaryError};

@@ -6,7 +6,7 @@ use crate::motion::{Checked, MotionRun};
 use crate::surfaces::SurfacesRun;
 use curvlay_examples::args::Failure;
 use curvlay_examples::count::counted;
-use curvlay_examples::findings::millimetres;
+use curvlay_examples::findings::at_most_mm;
 use curvlay_examples::motion::turning_joints;
 use curvlay_examples::output::OutputFolder;
 use curvlay_examples::plot::Plot;
@@ -241,8 +241,8 @@ fn plan_rows<const N: usize, const F: usize>(run: &PrintPlan<N, F>, table: &mut 
         .row([
             "off the path".to_owned(),
             format!(
-                "{} at most, {} too far",
-                millimetres(run.max_deviation_mm),
+                "{}, {} too far",
+                at_most_mm(run.max_deviation_mm),
                 counted(count(FaultKind::PathDeviation), "step")
             ),
         ])
