@@ -116,13 +116,11 @@ impl ConvexHull2 {
 
     /// The integers `x` for which `[x, y]` is deep. Exact.
     pub fn row_interval(&self, y: i32) -> Option<RangeInclusive<i32>> {
+        if self.corners.len() < 3 {
+            return self.segment_row(y);
+        }
         let xs = self.corners.iter().map(|corner| corner[0]);
         let (mut low, mut high) = (i64::from(xs.clone().min()?), i64::from(xs.max()?));
-        if self.corners.len() < 3 {
-            let mut deep = (low as i32..=high as i32).filter(|&x| self.is_deep([x, y]));
-            let first = deep.next()?;
-            return Some(first..=deep.next_back().unwrap_or(first));
-        }
         for edge in self.edges() {
             // left_of([x, y]) is constant + run x.
             let run = i64::from(edge.from[1]) - i64::from(edge.to[1]);
@@ -135,6 +133,19 @@ impl ConvexHull2 {
             }
         }
         (low <= high).then_some(low as i32..=high as i32)
+    }
+
+    /// The same of a point or a segment, which is deep as a whole or not at all.
+    fn segment_row(&self, y: i32) -> Option<RangeInclusive<i32>> {
+        let (&from, &to) = (self.corners.first()?, self.corners.last()?);
+        if self.depth != Depth::SURFACE || !(from[1].min(to[1])..=from[1].max(to[1])).contains(&y) {
+            return None;
+        }
+        if from[1] == to[1] {
+            return Some(from[0]..=to[0]);
+        }
+        let [run, rise, up] = [to[0] - from[0], to[1] - from[1], y - from[1]].map(i64::from);
+        (run * up % rise == 0).then(|| from[0] + (run * up / rise) as i32).map(|x| x..=x)
     }
 
     fn edges(&self) -> impl Iterator<Item = Edge> {

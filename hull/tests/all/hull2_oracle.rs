@@ -260,6 +260,19 @@ fn polygons_without_area_are_known_for_what_they_are() {
     assert_eq!((nothing_is_deep.is_deep([0, 5]), nothing_is_deep.row_interval(5)), (false, None));
 }
 
+/// Found: a row of a segment looked at every point as far as the segment goes, for longer than the fuzzer waits.
+#[test]
+fn rows_of_the_longest_segments_are_known_at_once() {
+    const M: i32 = MAX_COORDINATE;
+    let [rising, steep] = [[[-M, -M], [M, M]], [[0, -M], [1, M]]].map(|ends| hull_of(&ends, Depth::SURFACE));
+    for y in -M..=M {
+        assert_eq!(rising.row_interval(y), Some(y..=y));
+        let x = (y == -M).then_some(0).or((y == M).then_some(1));
+        assert_eq!(steep.row_interval(y), x.map(|x| x..=x));
+    }
+    assert_eq!((rising.row_interval(i32::MIN), rising.row_interval(i32::MAX)), (None, None));
+}
+
 #[test]
 fn the_largest_square_stays_exact() {
     const M: i32 = MAX_COORDINATE;
