@@ -216,6 +216,28 @@ fn encodings_and_compression_are_read() {
     assert!(matches!(read_svg(&bomb.finish().unwrap(), options), Err(SvgError::TooLarge { .. })));
 }
 
+/// Found: such an arc was taken apart into curves until the memory was full.
+#[test]
+fn numbers_without_end_are_refused() {
+    let far = "2".repeat(70);
+    for shape in [
+        &*format!(r#"<path d="M0 0 V{far} A2 2 0 1 1 9 9"/>"#),
+        r#"<path d="M0 0 a1e99 1e99 0 1 1 9 9"/>"#,
+        r#"<path d="M0 0 h1e308 h1e308 A2 2 0 1 1 9 9"/>"#,
+        r#"<circle r="1e30"/>"#,
+        r#"<ellipse rx="1e30" ry="2"/>"#,
+        r#"<g font-size="1e30"><rect width="1e30" height="1" rx="1em"/></g>"#,
+        r#"<symbol viewBox="0 0 1e30 9"><circle r="9%"/></symbol>"#,
+    ] {
+        let refused = read_svg(file(&format!("\n{shape}")).as_bytes(), SvgOptions::default());
+        assert!(matches!(refused, Err(SvgError::TooFar { line: 3, .. })), "{shape}: {refused:?}");
+    }
+    // What is drawn up to an error, and large numbers elsewhere, do no harm.
+    for shape in [r#"<path d="M0 0 A2 2 0 1 1 9 9 x1e99"/>"#, r#"<circle r="2" id="p1e99"/>"#] {
+        assert_eq!(read(shape).entities.len(), 1, "{shape}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
     /// Whatever a file contains, it is read or refused, and what is read can be drawn.

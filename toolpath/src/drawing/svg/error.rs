@@ -22,6 +22,16 @@ pub enum SvgError {
         /// As the file names it.
         name: String,
     },
+    /// Numbers that are too large.
+    #[error("line {line}: `{attribute}` has numbers beyond {limit:e}")]
+    TooFar {
+        /// The attribute that they are in.
+        attribute: String,
+        /// The line where it begins.
+        line: u32,
+        /// What they must not exceed: of a path, their sum.
+        limit: f64,
+    },
     /// A scale that is out of its range.
     #[error("{what} is {value}; it must be {range}")]
     Scale {

@@ -11,6 +11,7 @@ mod bytes;
 mod document;
 mod error;
 mod outlines;
+mod reach;
 mod size;
 
 pub use error::SvgError;
@@ -44,7 +45,7 @@ impl Default for SvgOptions {
 /// or not stated at all.
 ///
 /// # Errors
-/// [`SvgError`] for what is no XML, no SVG, or has no size.
+/// [`SvgError`] for what is no XML, no SVG, or has no size, and for numbers beyond 1e12 in paths, 1e9 in radii.
 ///
 /// # Example
 /// ```
@@ -59,6 +60,7 @@ pub fn read_svg(data: &[u8], options: SvgOptions) -> Result<Drawing, SvgError> {
     check(options.scale)?;
     let text = bytes::text(data)?;
     let original = parse(&text)?;
+    reach::check(&original)?;
     let sources = Sources::new(&original);
     let named = sources.with_ids(&text);
     let document = parse(&named)?;
