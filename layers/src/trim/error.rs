@@ -79,6 +79,14 @@ pub enum TrimError {
         /// Vertices of the edge.
         edge: [u32; 2],
     },
+    /// Two triangles of the sheet have the same corners, one the other way round.
+    #[error("triangles {other} and {triangle} of the sheet have the same corners")]
+    SameCorners {
+        /// The second of the two triangles.
+        triangle: usize,
+        /// The first.
+        other: usize,
+    },
     /// Where the mesh passes through itself, the cuts cross each other without end.
     #[error("triangle {triangle} of the sheet cannot be cut: the mesh passes through itself too often there")]
     Tangled {

@@ -236,7 +236,8 @@ impl Trimmer {
     ///
     /// # Errors
     /// [`TrimError::BadCorner`], [`TrimError::BadCoordinate`], [`TrimError::RepeatedCorner`],
-    /// [`TrimError::NotManifold`], [`TrimError::Cancelled`]; [`TrimError::Tangled`] for a solid that passes through itself beyond measure.
+    /// [`TrimError::NotManifold`], [`TrimError::SameCorners`], [`TrimError::Cancelled`]; [`TrimError::Tangled`] for a solid that passes through itself
+    /// beyond measure.
     ///
     /// # Cost
     /// For `s` triangles of the sheet and `m` of the mesh some `O(s log m)`, and for each that is cut the square
@@ -255,6 +256,7 @@ impl Trimmer {
         };
         // The tests of the input are here; from here on nothing but cancelling and a tangled mesh can fail.
         let sheet = Sheet::new(vertices, triangles)?;
+        sheet.check_corners()?;
         let mut pieces = Pieces::cut(&sheet, &self.solid, &watch)?;
         let keep: Vec<bool> = match &self.solid.holes {
             None => pieces.numbers(&self.solid).into_iter().map(|number| self.solid.rule.holds(number)).collect(),

@@ -2,6 +2,7 @@
 
 use super::edges::Edges;
 use super::error::{Input, TrimError, check};
+use super::patch::NONE;
 use nalgebra::Point3;
 
 pub(super) struct Sheet<'a> {
@@ -29,6 +30,18 @@ impl<'a> Sheet<'a> {
             }
         }
         Ok(Sheet { points, triangles, edges })
+    }
+
+    /// Refuses triangles with the same three corners: their parts would have corners in common that do not tell which of them meet.
+    pub(super) fn check_corners(&self) -> Result<(), TrimError> {
+        let mut first = vec![NONE; self.edges.ends.len()];
+        for (triangle, sides) in self.edges.sides.iter().enumerate() {
+            let others = sides.map(|side| std::mem::replace(&mut first[side as usize], triangle as u32));
+            if others[0] != NONE && others == [others[0]; 3] {
+                return Err(TrimError::SameCorners { triangle, other: others[0] as usize });
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn corners(&self, triangle: usize) -> [&Point3<f64>; 3] {

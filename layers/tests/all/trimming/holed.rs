@@ -2,7 +2,7 @@
 
 use super::helpers::*;
 use approx::assert_relative_eq;
-use curvlay_layers::trim::{BoundaryKind, Trimmer};
+use curvlay_layers::trim::{BoundaryKind, TrimError, Trimmer};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
@@ -135,6 +135,18 @@ fn what_a_box_has_outside_of_one_with_a_hole() {
     let trimmed = trimmer.unwrap().trim(&sheet.vertices, &sheet.triangles, &go).unwrap();
     check(&sheet, &trimmed);
     assert!(trimmed.holed && (trimmed.area() - 300.0).abs() < 0.5, "{}", trimmed.area());
+}
+
+/// Found: such a sheet across a mesh with holes was trimmed for ever. Its two triangles meet at all three sides.
+#[test]
+fn triangles_with_the_same_corners_are_refused() {
+    let places = [[3.0, -4.0, -4.0], [-4.0, -4.0, -4.0], [-4.0, 21.0820325165987, -4.0]].map(P::from);
+    let trimmer = Trimmer::new(&places, &[[2, 1, 0], [2, 1, 0], [2, 1, 2]]).unwrap();
+    let sheet = [[2.0, -8.0, -1.7313003540039062], [-4.0, 5.454901948571205, -8.0], [-2.0, 17.0820325165987, -3.0]];
+    let refused = trimmer.trim(&sheet.map(P::from), &[[2, 1, 0], [2, 0, 1]], &go);
+    assert_eq!(refused.unwrap_err(), TrimError::SameCorners { triangle: 1, other: 0 });
+    let apart = trimmer.trim(&sheet.map(P::from), &[[2, 1, 0]], &go).unwrap();
+    assert!(apart.area().is_finite());
 }
 
 proptest! {
