@@ -232,6 +232,11 @@ fn numbers_without_end_are_refused() {
         let refused = read_svg(file(&format!("\n{shape}")).as_bytes(), SvgOptions::default());
         assert!(matches!(refused, Err(SvgError::TooFar { line: 3, .. })), "{shape}: {refused:?}");
     }
+    for way in ["M9 1e99", "L1e99 9", "H1e99", "C1e99 9 9 9 9 9", "S9 9 9 1e99", "Q9 9 1e99 9", "T9 1e99"] {
+        let shape = format!(r#"<path d="M0 0 {way} A2 2 0 1 1 9 9"/>"#);
+        let refused = read_svg(file(&shape).as_bytes(), SvgOptions::default());
+        assert!(matches!(refused, Err(SvgError::TooFar { line: 2, .. })), "{shape}: {refused:?}");
+    }
     // What is drawn up to an error, and large numbers elsewhere, do no harm.
     for shape in [r#"<path d="M0 0 A2 2 0 1 1 9 9 x1e99"/>"#, r#"<circle r="2" id="p1e99"/>"#] {
         assert_eq!(read(shape).entities.len(), 1, "{shape}");
