@@ -145,7 +145,8 @@ impl ConvexHull2 {
             return Some(from[0]..=to[0]);
         }
         let [run, rise, up] = [to[0] - from[0], to[1] - from[1], y - from[1]].map(i64::from);
-        (run * up % rise == 0).then(|| from[0] + (run * up / rise) as i32).map(|x| x..=x)
+        let x = from[0] + (run * up / rise) as i32;
+        (run * up % rise == 0).then_some(x..=x)
     }
 
     fn edges(&self) -> impl Iterator<Item = Edge> {
