@@ -27,7 +27,8 @@ use crate::orientation::ToolPath;
 use crate::parallel;
 use std::collections::BTreeMap;
 
-/// How often the orders of layers are changed. On 300 rows over hills with 5,180 waypoints that gouge, 364 are left after three rounds, 24 after six.
+/// How often the orders of layers are changed. Of 5,180 waypoints that gouge on 300 layers with hills 364 are left after three rounds, 24 after six
+/// (`common::creases::rows` of the tests, seeds 0 to 299, nothing raised).
 const ROUNDS: usize = 6;
 
 /// What paths are freed with.
