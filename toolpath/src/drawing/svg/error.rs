@@ -23,7 +23,9 @@ pub enum SvgError {
         name: String,
     },
     /// Numbers that are too large.
-    #[error("line {line}: `{attribute}` has numbers beyond {limit:e}")]
+    #[error(
+        "line {line}: `{attribute}` has numbers beyond {limit:e}, farther than any drawing: correct it or delete the shape"
+    )]
     TooFar {
         /// The attribute that they are in.
         attribute: String,
