@@ -123,6 +123,7 @@ impl Job<'_> {
         let start = Instant::now();
         let (mut best, mut tried) = self.tried_once(layers_by, &[], findings)?;
         let mut bare = tried::bare_places(&best, self.args);
+        let mut below = Vec::new();
         for _ in 0..SUPPORT_ROUNDS {
             if tried.passed || bare.is_empty() || !self.args.supports_beads(layers_by) {
                 break;
@@ -131,8 +132,9 @@ impl Job<'_> {
                 self.bars.finish();
                 note("too many beads are unsupported: adding support below them");
             }
-            let (results, again) = self.tried_once(layers_by, &bare, findings)?;
-            bare.extend(tried::bare_places(&results, self.args));
+            below.append(&mut bare);
+            let (results, again) = self.tried_once(layers_by, &below, findings)?;
+            bare = tried::bare_places(&results, self.args);
             if again.is_better_than(&tried) {
                 (best, tried) = (results, again);
             }
