@@ -97,3 +97,96 @@ impl<const N: usize, const F: usize> Plan<'_, N, F> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::node::LadderNode;
+    use super::*;
+    use crate::{FreeRange, RobotFn};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+    use std::ops::ControlFlow;
+
+    /// Angles of one joint, each next to the one before, as whole turns away from a first one as all images within ten turns are.
+    fn all_images(angles: &[f64]) -> Vec<Vec<f64>> {
+        let mut unwound = vec![angles[0]];
+        for pair in angles.windows(2) {
+            unwound.push(unwound[unwound.len() - 1] + wrapped(pair[1] - pair[0]));
+        }
+        (-10..=10).map(|turns| unwound.iter().map(|angle| angle + TAU * f64::from(turns)).collect()).collect()
+    }
+
+    /// The image that is nearest to what it should be next to: to where the joint comes from, else about the middle between its stops, else as it is.
+    fn nearest(angles: &[f64], [lower, upper]: [f64; 2], from: Option<f64>) -> Option<Vec<f64>> {
+        let ends = |image: &[f64]| {
+            image.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &a| [low.min(a), high.max(a)])
+        };
+        let fits = |image: &[f64]| ends(image)[0] >= lower && ends(image)[1] <= upper;
+        let off = |image: &[f64]| match from {
+            Some(from) => (image[0] - from).abs(),
+            None if lower.is_finite() && upper.is_finite() => (ends(image)[0] + ends(image)[1] - lower - upper).abs(),
+            None => (image[0] - angles[0]).abs(),
+        };
+        let least = |images: Vec<Vec<f64>>| images.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        match lower.is_finite() && upper.is_finite() {
+            // Of two stops the nearest image fits, or the joint is looked at with all its images.
+            true => least(all_images(angles)).filter(|image| fits(image)),
+            false => least(all_images(angles).into_iter().filter(|image| fits(image)).collect()),
+        }
+    }
+
+    #[test]
+    fn runs_are_lifted_to_the_nearest_image_of_all() {
+        let mut rng = Pcg64::seed_from_u64(7);
+        let mut fitted = [0; 2];
+        for _ in 0..2_000 {
+            let breaks: Vec<usize> = [4, 9].into_iter().filter(|_| rng.random_bool(0.5)).collect();
+            let mut angle = rng.random_range(-3.0..3.0);
+            let mut given = Vec::new();
+            for _ in 0..12 {
+                angle += rng.random_range(-0.8..1.2);
+                given.push([wrapped(angle), rng.random_range(-9.0..9.0)]);
+            }
+            let middle: f64 = rng.random_range(-9.0..9.0);
+            let lower = if rng.random_bool(0.3) { f64::NEG_INFINITY } else { middle - rng.random_range(3.2..9.0) };
+            let upper = if rng.random_bool(0.3) { f64::INFINITY } else { middle + rng.random_range(3.2..9.0) };
+            let bounds = Bounds { lower: [lower, f64::NEG_INFINITY], upper: [upper, f64::INFINITY], ..Bounds::NONE };
+            let from = rng.random_bool(0.5).then(|| [rng.random_range(-12.0..12.0), 0.0]);
+
+            let robot = RobotFn {
+                waypoints: 12,
+                free: [FreeRange::Turn],
+                solutions: |_: usize, _: &[f64; 1], _: &mut dyn FnMut(u32, [f64; 2])| {},
+                posture: |_: usize, _: &[f64; 1], _: u32| None,
+            };
+            let options = LadderOptions { from, ..LadderOptions::default() };
+            let progress = |_: crate::Progress| ControlFlow::Continue(());
+            let plan =
+                Plan { robot: &robot, times: &[0.0; 12], bounds: &bounds, options: &options, progress: &progress };
+            let nodes = given.iter().map(|&joints| LadderNode { joints, free: [0.0], branch: 0 }).collect();
+            let mut path = Path { nodes, breaks, cost: 0.0 };
+            let lifted = plan.lift(&mut path, &[Kind::Circular, Kind::AsGiven]);
+
+            let expected: Vec<Option<Vec<f64>>> = path
+                .runs()
+                .into_iter()
+                .map(|run| {
+                    let from = from.filter(|_| run.start == 0).map(|from| from[0]);
+                    let angles: Vec<f64> = given[run].iter().map(|joints| joints[0]).collect();
+                    nearest(&angles, [lower, upper], from)
+                })
+                .collect();
+            assert_eq!(lifted, if expected.iter().all(Option::is_some) { Ok(()) } else { Err(0) });
+            fitted[usize::from(lifted.is_ok())] += 1;
+            // Runs before one that does not fit are lifted, the others stay.
+            for (run, expected) in path.runs().into_iter().zip(expected) {
+                let Some(expected) = expected else { break };
+                for (at, expected) in run.zip(expected) {
+                    assert!((path.nodes[at].joints[0] - expected).abs() < 1e-9, "{:?} {expected}", path.nodes[at]);
+                    assert_eq!(path.nodes[at].joints[1].to_bits(), given[at][1].to_bits());
+                }
+            }
+        }
+        assert!(fitted.iter().all(|&count| count > 200), "{fitted:?}");
+    }
+}
