@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Which changes of the code the tests of a crate notice: run.py CRATE PATH... [--sample N] [--out FILE]
+"""Which changes of the code the tests of a crate notice: run.py CRATE PATH... [--sample N [--seed S]] [--out FILE]
 
 Run it in a worktree that is thrown away, since it changes sources: `git worktree add --detach ../mutants && cd ../mutants`.
 CRATE is a folder of the workspace, PATH a file or folder in it. All mutants of the paths are built at once, as switches (src/main.rs), so that the crate is compiled once
 and not once for each. A first run of each test alone notes which switches it reaches; a mutant is then tried with the tests that reach it, the quickest first, until one
-fails. With --sample N so many mutants are woven in, drawn at random, always the same ones. FILE (mutants.jsonl) has a line a mutant, and a run goes on from it.
+fails. With --sample N so many mutants are woven in, drawn at random, the same ones for the same seed. FILE (mutants.jsonl) has a line a mutant, and a run goes on from it.
 """
 import argparse
 import json
@@ -52,7 +52,7 @@ def switches_at(span):
     return {int(number) for number in before + behind}
 
 
-def weave(crate, paths, sample):
+def weave(crate, paths, sample, seed):
     """Weaves the mutants in, or so many of them, without those that do not compile; how many these are."""
     subprocess.run(["cargo", "build", "--release", "-q", "--manifest-path", HERE / "Cargo.toml"], check=True)
     tool = next(Path(os.environ.get("CARGO_TARGET_DIR", HERE / "target")).glob("release/curvlay-mutants"))
@@ -65,7 +65,7 @@ def weave(crate, paths, sample):
         return {mutant["id"] for mutant in json.loads((crate / "mutants.json").read_text())}
 
     every = woven_without([])
-    drawn = every if sample is None else set(random.Random(1).sample(sorted(every), min(sample, len(every))))
+    drawn = every if sample is None else set(random.Random(seed).sample(sorted(every), min(sample, len(every))))
     without = set()
     for _ in range(ROUNDS):
         woven_without(every - drawn | without)
@@ -130,11 +130,12 @@ def main():
     parser.add_argument("crate", type=Path)
     parser.add_argument("paths", nargs="+")
     parser.add_argument("--sample", type=int)
+    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("mutants.jsonl"))
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     args = parser.parse_args()
     crate = args.crate
-    uncompiled = weave(crate, args.paths, args.sample)
+    uncompiled = weave(crate, args.paths, args.sample, args.seed)
     mutants = json.loads((crate / "mutants.json").read_text())
     tests = list(tests_of(crate))
     print(f"{len(mutants)} mutants, {uncompiled} more do not compile; {len(tests)} tests", flush=True)

@@ -261,7 +261,7 @@ mod tests {
         let bounds = Bounds { velocity: [2.0, 3.0], acceleration: [8.0, 5.0], ..Bounds::NONE };
         let price = Price::new(&bounds);
         let mut rng = Pcg64::seed_from_u64(5);
-        let mut found_some = 0;
+        let (mut found_some, mut below_a_thousand) = (0, 0);
         for _ in 0..60 {
             let node = |rng: &mut Pcg64| Node {
                 free: [rng.random_range(-1.0..1.0)],
@@ -298,7 +298,37 @@ mod tests {
                 let cost = price.chain(&joints, &times);
                 assert!((cost - least).abs() <= 1e-9 * least, "{cost} {least}");
             }
+            // None costs less than the best.
+            assert!(best_chain(&nodes, &times, 0, &price, 0.999 * least.min(1e9)).is_none(), "{least}");
+            below_a_thousand += usize::from(least < 1e3);
         }
-        assert!(found_some > 100, "{found_some}");
+        assert!(found_some > 100 && below_a_thousand > 10, "{found_some} {below_a_thousand}");
+    }
+
+    #[test]
+    fn prices_are_those_by_hand() {
+        let bounds = Bounds { velocity: [2.0, 4.0], acceleration: [8.0, 4.0], ..Bounds::NONE };
+        let price = Price::new(&bounds);
+        let is = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-9 * expected, "{value} {expected}");
+        // Up to four fifths of the speed nothing is paid, at nine tenths a hundredth of 1,000 times 8 squared.
+        assert_eq!(price.step(&[0.0, 1.0], &[0.75, 0.5], 0.5), Some(([1.5, -1.0], 0.0)));
+        let (velocity, own) = price.step(&[0.0, 1.0], &[0.9, 0.5], 0.5).unwrap();
+        assert_eq!(velocity, [1.8, -1.0]);
+        is(own, 640.0);
+        assert!(price.step(&[0.0, 0.0], &[1.19, 0.0], 0.5).is_some());
+        assert_eq!(price.step(&[0.0, 0.0], &[1.21, 0.0], 0.5), None);
+        // Squared accelerations, 2 and 3.6, and the same for nine tenths of the bound; no farther than what is too much.
+        is(price.bend(1.0, &[0.5, 0.0], &[1.5, -1.8], 0.5, f64::INFINITY), 1.0 + 4.0 + 12.96 + 640.0);
+        is(price.bend(1.0, &[0.5, 0.0], &[1.5, -1.8], 0.5, 4.5), 5.0);
+        for most in [0.5, 4.0, 30.0, 900.0, 1e5] {
+            for joint in 0..2 {
+                let cost = |acceleration: f64| {
+                    let after = std::array::from_fn(|j| if j == joint { acceleration } else { 0.0 });
+                    price.bend(0.0, &[0.0; 2], &after, 1.0, f64::INFINITY)
+                };
+                let reach = price.reach(joint, most);
+                assert!(cost(1.0001 * reach) > most && cost(0.9999 * reach) < 2.0 * most, "{joint} {most} {reach}");
+            }
+        }
     }
 }

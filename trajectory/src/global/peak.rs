@@ -164,3 +164,96 @@ impl<'a, const N: usize, const F: usize> Lowering<'a, N, F> {
         near || self.slow >= end
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::qp::QpSolution;
+
+    fn point() -> Point<1, 1> {
+        Point { free: Vec::new(), columns: Vec::new(), norms: Vec::new(), knots: Vec::new(), curvatures: Vec::new() }
+    }
+
+    fn merit(squared_jerk: f64, price: f64, peak: f64) -> Merit {
+        Merit { squared_jerk, price, peak }
+    }
+
+    #[test]
+    fn the_best_has_the_lowest_peak_within_what_is_allowed() {
+        let options = GlobalOptions { rise: 0.1, tolerance: 1e-3, ..GlobalOptions::default() };
+        let mut lowering = Lowering::new(&point(), merit(100.0, 0.0, 4.0), &options);
+        assert_eq!((lowering.most(), lowering.price), (110.0, 20.0));
+        // What is seen, by how much the measure has risen, and then: the best peak, the squared jerk allowed, rounds that have brought little.
+        for (seen, rise, best, most, slow) in [
+            (merit(105.0, 0.0, 3.0), 0.04, 3.0, 110.0, 0),
+            // Too much squared jerk, but a lower peak: it may come back.
+            (merit(112.0, 0.0, 2.0), 0.05, 3.0, 110.0, 0),
+            // The measure rises by a fifth, the integral by nine hundredths.
+            (merit(109.0, 0.0, 2.95), 0.2, 3.0, 104.5, 1),
+            (merit(103.0, 0.0, 2.99), 0.03, 2.99, 110.0, 2),
+            // Bounds are passed farther.
+            (merit(103.0, 0.2, 2.5), 0.03, 2.99, 110.0, 3),
+            (merit(103.0, 0.0, 3.1), 0.03, 2.99, 110.0, 4),
+            (merit(103.0, 0.05, 0.9), 0.03, 0.9, 110.0, 0),
+            // Below the bound less squared jerk is better.
+            (merit(101.0, 0.0, 0.95), 0.01, 0.95, 110.0, 1),
+            (merit(102.0, 0.0, 0.95), 0.01, 0.95, 110.0, 2),
+        ] {
+            lowering.look(&point(), seen, rise);
+            let now = lowering.best.1;
+            assert_eq!((now.peak, lowering.slow), (best, slow), "{seen:?}");
+            assert!((lowering.most() - most).abs() < 1e-12, "{seen:?} {}", lowering.most());
+        }
+        assert_eq!(lowering.best.1, merit(101.0, 0.0, 0.95));
+    }
+
+    #[test]
+    fn the_price_follows_what_is_left_of_the_rise() {
+        let options = GlobalOptions { rise: 0.1, ..GlobalOptions::default() };
+        let step = |squared_jerk: f64, height: f64, lower_bound: f64| Step::<1, 1> {
+            waypoints: Vec::new(),
+            run: Vec::new(),
+            height,
+            squared_jerk,
+            solution: QpSolution {
+                status: QpStatus::Solved,
+                x: Vec::new(),
+                duals: Vec::new(),
+                value: 0.0,
+                lower_bound,
+                primal_residual: 0.0,
+                dual_residual: 0.0,
+                iterations: 1,
+            },
+        };
+        // A step, whether it stays and is damped; then the lower bound, the price beside that of 20 before, and whether the pass is at rest.
+        for (step, still, damped, low, factor, rest) in [
+            // Half of the rise is left: twice the price. J + 20 t is 171 at least, and J 110 at most.
+            (step(104.99, 3.0, 171.0), false, false, 3.0, 2.0, false),
+            (step(119.96, 3.0, 171.0), false, false, 3.0, 0.5, false),
+            (step(100.0, 3.0, 171.0), false, false, 3.0, 8.0, false),
+            (step(900.0, 3.0, 120.0), false, false, 1.0, 0.125, false),
+            // Within half a hundredth of the bound, but damped by what is no bound.
+            (step(104.99, 3.0, 190.7), false, false, 3.985, 2.0, true),
+            (step(104.99, 3.0, 190.7), false, true, 3.985, 2.0, false),
+            (step(104.99, 3.0, 190.7), true, true, 3.985, 2.0, true),
+            // It can be met: that is all, at the same price.
+            (step(104.99, 1.0, 120.0), false, false, 1.0, 1.0, false),
+            (step(104.99, 1.0, 120.0), true, false, 1.0, 1.0, true),
+            (step(109.99, 1.0, 120.0), true, false, 1.0, 0.998 / 0.999, false),
+        ] {
+            // One of priced bounds is passed as far as before.
+            let mut lowering = Lowering::new(&point(), merit(100.0, 1.0, 4.0), &options);
+            assert_eq!(lowering.judge(&step, still, damped), rest, "{} {}", step.squared_jerk, step.height);
+            assert!((lowering.lower_bound - low).abs() < 1e-12, "{low} {}", lowering.lower_bound);
+            let by = lowering.price / 20.0;
+            assert!((by - factor).abs() < 1e-9, "{by} {factor}");
+        }
+        // Slow rounds end it, sooner near the bound.
+        for (bound, slow, rest) in [(190.0, 2, false), (190.0, 3, true), (151.0, 7, false), (151.0, 8, true)] {
+            let mut lowering = Lowering::new(&point(), merit(100.0, 1.0, 4.0), &options);
+            lowering.slow = slow;
+            assert_eq!(lowering.judge(&step(104.99, 3.0, bound), false, true), rest, "{bound} {slow}");
+        }
+    }
+}

@@ -268,6 +268,7 @@ impl<const N: usize, const F: usize> Point<N, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Posture, RobotFn, RunIn};
 
     #[test]
     fn the_nearest_values_lie_in_the_ranges_and_in_the_cone() {
@@ -283,5 +284,76 @@ mod tests {
         check(cone, [9.0, 0.15, -0.2], [9.0, 0.15, -0.2]);
         // 0.3 and 0.4 are 0.5 from the middle, twice as far as the cone goes.
         check(cone, [9.0, 0.3, 7.0], [9.0, 0.15, 0.2]);
+    }
+
+    /// Joints on a circle of radius 50, once round for each unit of the parameter: half of the circle is in reach.
+    fn circle(free: f64) -> Option<Posture<2, 1>> {
+        let (sin, cos) = (TAU * free).sin_cos();
+        let rates = [[-50.0 * TAU * sin, 50.0 * TAU * cos]];
+        (free.abs() < 0.25).then_some(Posture { joints: [50.0 * cos, 50.0 * sin], rates })
+    }
+
+    #[test]
+    fn near_singular_waypoints_come_as_near_to_the_straight_line_as_they_can() {
+        let robot = RobotFn {
+            waypoints: 2,
+            free: [FreeRange::Within(-1.0, 1.0)],
+            solutions: |_: usize, _: &[f64; 1], _: &mut dyn FnMut(u32, [f64; 2])| {},
+            posture: |_: usize, free: &[f64; 1], _: u32| circle(free[0]),
+        };
+        let line = Timeline::new(&[0.0, 1.0], RunIn { pieces: 2, spacing: 0.5 }).unwrap();
+        let domain = Domain { ranges: [FreeRange::Within(-1.0, 0.1)], cone: None };
+        let node = |free: f64| LadderNode { joints: [50.0, 0.0], free: [free], branch: 0 };
+        let start = Point::start(&robot, &line, &[0; 2], &[node(0.0), node(0.02)], &Bounds::NONE).unwrap();
+        let runs = vec![[0.0; 2]; line.knots() - 2];
+        let moved = |by: f64, near_singular: f64| {
+            start.moved(&robot, &line, &[0; 2], (&[[by], [0.0]], &runs), (1.0, near_singular), &domain)
+        };
+        let first = line.waypoints().start;
+        for by in [1.2, -2.5, 2.9, -3.1] {
+            // The tangent at (50, 0) goes straight up: the nearest point of the circle is in the direction of its end.
+            let next = moved(by, 100.0).unwrap();
+            let nearest = by.atan2(50.0) / TAU;
+            assert!((next.free[0][0] - nearest).abs() < 1e-6, "{by} {:?} {nearest}", next.free[0]);
+            let joints = next.knots[first];
+            assert!(
+                (joints[0].hypot(joints[1]) - 50.0).abs() < 1e-9 && (joints[1] / joints[0] - by / 50.0).abs() < 1e-4
+            );
+            assert_eq!(
+                next.columns[0],
+                circle(next.free[0][0]).unwrap().rates.map(|rate| rate.map(|r| r / (50.0 * TAU)))
+            );
+            // Elsewhere the parameter moves, and with it the joints along the circle.
+            let plain = moved(by, 1e3).unwrap();
+            assert!((plain.free[0][0] - by / 50.0 / TAU).abs() < 1e-12);
+        }
+        // Where the straight line leaves what is in reach, the waypoint goes as far as its range lets it, and otherwise cannot be placed.
+        assert!(moved(-80.0, 1e3).is_err());
+        let far = moved(-80.0, 100.0).unwrap();
+        assert!(far.free[0][0] < -0.1 && far.free[0][0] > -0.25, "{:?}", far.free[0]);
+    }
+
+    #[test]
+    fn joints_start_between_their_stops() {
+        let robot = RobotFn {
+            waypoints: 2,
+            free: [FreeRange::Turn],
+            solutions: |_: usize, _: &[f64; 1], _: &mut dyn FnMut(u32, [f64; 2])| {},
+            posture: |_: usize, free: &[f64; 1], _: u32| {
+                Some(Posture { joints: [free[0], 0.5 * free[0]], rates: [[1.0, 0.5]] })
+            },
+        };
+        let line = Timeline::new(&[0.0, 1.0], RunIn { pieces: 2, spacing: 0.5 }).unwrap();
+        let node = |free: f64| LadderNode { joints: [free, 0.5 * free], free: [free], branch: 0 };
+        // Two turns up for the first joint; the second is within its stops, though not in the middle.
+        let bounds = Bounds { lower: [9.0, -1.0], upper: [17.0, 30.0], ..Bounds::NONE };
+        let point = Point::start(&robot, &line, &[0; 2], &[node(0.4), node(0.8)], &bounds).unwrap();
+        for (at, knot) in point.knots.iter().enumerate() {
+            let expected = if at <= line.waypoints().start { 0.4 } else { 0.8 };
+            assert!(
+                (knot[0] - expected - 2.0 * TAU).abs() < 1e-12 && (knot[1] - 0.5 * expected).abs() < 1e-12,
+                "{knot:?}"
+            );
+        }
     }
 }

@@ -317,8 +317,10 @@ mod tests {
     #[test]
     fn gaps_between_cells_are_just_below_distances() {
         let mut random = Random::new(7);
-        let nodes: Vec<[f64; 1]> = (0..60).map(|_| [random.within(-PI, PI)]).collect();
+        let nodes: Vec<[f64; 1]> = (0..70).map(|_| [random.within(-PI, PI)]).collect();
+        let mut half_way_round = 0;
         for (kind, period) in [(Kind::Circular, TAU), (Kind::AsGiven, f64::INFINITY)] {
+            // With the last limit a circle has four cells, of which the third may be nearer the other way round.
             for limit in [0.2, 1.5, 4.0] {
                 let axis = Axis::new(0, &[kind], &nodes, limit);
                 let measure = Measure { norm: Norm::Absolute, weights: [1.0], period: [period] };
@@ -334,11 +336,38 @@ mod tests {
                         let (near, far) = (axis.gap(step), axis.gap_from(within, step));
                         assert!(near <= far + 1e-6 && far <= distance, "{kind:?} {a:?} {b:?}: {near} {far} {distance}");
                         assert!(distance <= far + 2.0 * axis.size, "{kind:?} {a:?} {b:?}: {far} {distance}");
+                        half_way_round += usize::from(axis.circular && 2 * step.unsigned_abs() == axis.count);
                         met += 1;
                     }
                 }
                 assert!(met > 200, "{met}");
+                // On the wrong side of a border by rounding, a node is a hair nearer than its cell says.
+                let gap = axis.gap_from(0.25, 1);
+                assert!(axis.count < 4 || gap < 0.75 * axis.size && gap > 0.749 * axis.size, "{gap} {}", axis.size);
             }
+        }
+        assert!(half_way_round > 200, "{half_way_round}");
+    }
+
+    #[test]
+    fn the_best_pair_has_the_fewest_nodes_in_a_cell() {
+        let mut random = Random::new(3);
+        for _ in 0..50 {
+            let spreads: [f64; 4] = std::array::from_fn(|_| [0.0, 0.3, 1.0, 3.0][random.within(0.0, 4.0) as usize]);
+            let nodes: Vec<[f64; 4]> =
+                (0..80).map(|_| spreads.map(|spread| spread * random.within(-1.0, 1.0))).collect();
+            let limits = [0.4; 4].map(|limit| limit * random.within(0.5, 2.0));
+            let kinds = [Kind::Circular, Kind::AsGiven, Kind::Circular, Kind::AsGiven];
+            let axes: [Axis; 4] = std::array::from_fn(|joint| Axis::new(joint, &kinds, &nodes, limits[joint]));
+            let together = |pair: [usize; 2]| {
+                let alike = |a: &[f64; 4], b: &[f64; 4]| pair.iter().all(|&j| axes[j].cell(a) == axes[j].cell(b));
+                nodes.iter().map(|a| nodes.iter().filter(|b| alike(a, b)).count()).sum::<usize>()
+            };
+            let pairs = (0..4).flat_map(|first| (first + 1..4).map(move |second| [first, second]));
+            let least = pairs.map(together).min().unwrap();
+            let found = best_pair(&nodes, &kinds, &limits);
+            assert!(found[0] < found[1], "{found:?}");
+            assert_eq!(together(found), least, "{found:?}");
         }
     }
 }

@@ -385,6 +385,7 @@ fn wrapped_if(kind: Kind, angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::{Posture, RobotFn};
 
     /// Two links that hold a tip, and a third that turns about it: closed form, two branches, an edge of reach.
@@ -436,5 +437,49 @@ mod tests {
         assert!(10 * loose < tame, "{loose} {tame}");
         // The branches end at the edge of reach, twice each.
         assert!(tame > 1000 && (2..40).contains(&wild), "{tame} {wild}");
+    }
+
+    #[test]
+    fn near_cells_are_all_that_may_be_in_reach_and_few_others() {
+        let mut random = Random::new(11);
+        let kinds = [Kind::Circular, Kind::AsGiven];
+        let mut by_joint = [0; 2];
+        // The last of these reaches all round.
+        for (limits, most) in
+            [([0.3, 0.2], 1.5), ([0.02, 0.05], 3.0), ([4.0, 3.0], 0.1), ([1.0, 3.0], 0.4), ([2.0, 4.0], 4.0)]
+        {
+            let mut cells: Vec<Cell<2>> = (0..120)
+                .map(|at| Cell {
+                    branch: 0,
+                    from: f64::from(at),
+                    middle: [random.within(-9.0, 9.0), random.within(-5.0, 5.0)],
+                    half: if at % 20 == 7 { [f64::INFINITY; 2] } else { [random.within(0.0, 0.1); 2] },
+                    there: None,
+                    least: 0.0,
+                    had: 0.0,
+                    back: 0.0,
+                })
+                .collect();
+            let near = Near::new(&mut cells, &kinds, &limits, most);
+            let joint = near.joint;
+            by_joint[joint] += 1;
+            let way = most * limits[joint];
+            for cell in cells.iter().filter(|cell| cell.half[joint].is_finite()) {
+                let middle = wrapped_if(kinds[joint], cell.middle[joint]);
+                let found: Vec<f64> = near.of(middle, cell.half[joint], &cells).map(|cell| cell.from).collect();
+                for other in &cells {
+                    let by = wrapped_if(kinds[joint], other.middle[joint] - cell.middle[joint]);
+                    let gap = by.abs() - cell.half[joint];
+                    let times = found.iter().filter(|&&from| from.to_bits() == other.from.to_bits()).count();
+                    if !other.half[joint].is_finite() || gap - other.half[joint] <= way {
+                        assert_eq!(times, 1, "{limits:?} {cell:?} {other:?}");
+                    } else if way < 2.9 && gap > way + 0.1 {
+                        assert_eq!(times, 0, "{limits:?} {cell:?} {other:?}");
+                    }
+                }
+                assert!(found.len() <= cells.len());
+            }
+        }
+        assert_eq!(by_joint, [3, 2]);
     }
 }

@@ -225,6 +225,9 @@ fn the_second_pass_lowers_the_peak_to_its_bound_or_says_how_low_it_can_be() {
     assert!(found.history.len() == first + second && second > 1);
     let end = found.history[first - 1];
     assert_eq!((end.squared_jerk, end.peak), (found.squared_jerk[1], report.before));
+    let few = GlobalOptions { rounds: 2, ..options };
+    let found_soon = smooth_globally(&robot, &line, &level(40, 0.6, 0), &bounds, &few, &quiet).unwrap();
+    assert_eq!(found_soon.rounds[1], 2, "{:?}", found_soon.rounds);
     let best = found.history[first..].iter().find(|step| step.peak.to_bits() == report.after.to_bits()).unwrap();
     assert!((best.squared_jerk - found.trajectory.squared_jerk()).abs() <= 1e-9 * best.squared_jerk);
 }
