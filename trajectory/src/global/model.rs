@@ -382,3 +382,44 @@ fn unit(place: &Place, low: f64, high: f64) -> f64 {
         _ => high.min(-low).max(f64::MIN_POSITIVE),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::options::Cone;
+    use super::*;
+    use crate::{LadderNode, Posture, RobotFn, RunIn};
+
+    #[test]
+    fn steps_end_in_the_cone_and_as_far_out_as_it_goes() {
+        // Two tilts that are the joints, but for jolts which they would have to lean far out to take up.
+        let jolt = |waypoint: usize| if waypoint % 4 == 2 { [0.9, 0.0] } else { [0.0, 0.1] };
+        let robot = RobotFn {
+            waypoints: 9,
+            free: [FreeRange::Turn; 2],
+            solutions: |_: usize, _: &[f64; 2], _: &mut dyn FnMut(u32, [f64; 2])| {},
+            posture: |waypoint: usize, free: &[f64; 2], _: u32| {
+                let jolt = jolt(waypoint);
+                Some(Posture { joints: [free[0] + jolt[0], free[1] + jolt[1]], rates: [[1.0, 0.0], [0.0, 1.0]] })
+            },
+        };
+        let times: Vec<f64> = (0..9).map(|k| 0.2 * f64::from(k)).collect();
+        let line = Timeline::new(&times, RunIn { pieces: 3, spacing: 0.5 }).unwrap();
+        let node = LadderNode { joints: [0.0; 2], free: [0.0; 2], branch: 0 };
+        let point = Point::start(&robot, &line, &[0; 9], &[node; 9], &Bounds::NONE).unwrap();
+        let cone = Cone { tilts: [0, 1], half_angle: 0.25 };
+        let options = GlobalOptions { cone: Some(cone), ..GlobalOptions::default() };
+        let mut model = Model::new(&line, &Bounds::NONE, robot.free, &options, None, false);
+        let qp = QpOptions { iterations: 60, tolerance: 1e-10 };
+        let step = model.step(&point, &[1e-3; 9], None, &qp).unwrap();
+        let tilts: Vec<f64> = step.waypoints.iter().map(|by| by[0].hypot(by[1])).collect();
+        let most = tilts.iter().copied().fold(0.0, f64::max);
+        // The middles of the sides are less than a hundredth inside.
+        assert!(most <= 0.25 * (1.0 + 1e-6) && most > 0.2478, "{tilts:?}");
+        // Without it they lean farther.
+        let options = GlobalOptions { cone: None, ..options };
+        let mut model = Model::new(&line, &Bounds::NONE, robot.free, &options, None, false);
+        let free = model.step(&point, &[1e-3; 9], None, &qp).unwrap();
+        assert!(free.waypoints.iter().any(|by| by[0].hypot(by[1]) > 0.4));
+        assert!(free.squared_jerk < step.squared_jerk);
+    }
+}
