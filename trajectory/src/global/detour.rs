@@ -99,3 +99,36 @@ fn nodes<const N: usize, const F: usize>(
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RobotFn;
+
+    #[test]
+    fn samples_are_on_the_branch_and_within_the_stops() {
+        let robot = RobotFn {
+            waypoints: 1,
+            free: [FreeRange::Turn],
+            solutions: |_: usize, free: &[f64; 1], each: &mut dyn FnMut(u32, [f64; 1])| {
+                each(0, [-free[0]]);
+                each(1, [free[0]]);
+            },
+            posture: |_: usize, _: &[f64; 1], _: u32| None,
+        };
+        let bounds = Bounds { lower: [-0.2], upper: [1.0], ..Bounds::NONE };
+        let step = TAU / ANGLE_SAMPLES as f64;
+        let found = nodes(&robot, 0, 1, &[0.3], Some(0), &bounds);
+        // Every angle of the circle from -0.2 to 1, the present one first.
+        assert_eq!(found.len(), 1 + (0.5 / step) as usize + (0.7 / step) as usize);
+        for (at, node) in found.iter().enumerate() {
+            let image = crate::angle::wrapped(node.joints[0]);
+            assert!((-0.2..=1.0).contains(&image), "{image}");
+            assert_eq!((node.present, node.joints[0].to_bits()), (at == 0, node.free[0].to_bits()));
+            assert!((((node.free[0] - 0.3) / step).round() * step + 0.3 - node.free[0]).abs() < 1e-12);
+        }
+        let alone = nodes(&robot, 0, 0, &[0.1], None, &bounds);
+        assert!(alone.len() == 1 && alone[0].present && alone[0].joints == [-0.1]);
+        assert!(nodes(&robot, 0, 0, &[0.3], None, &bounds).is_empty());
+    }
+}

@@ -392,7 +392,7 @@ mod tests {
     #[test]
     fn steps_end_in_the_cone_and_as_far_out_as_it_goes() {
         // Two tilts that are the joints, but for jolts which they would have to lean far out to take up.
-        let jolt = |waypoint: usize| if waypoint % 4 == 2 { [0.9, 0.0] } else { [0.0, 0.1] };
+        let jolt = |waypoint: usize| if waypoint % 4 == 2 { [0.9, 0.0] } else { [0.0, 0.9 * (waypoint % 2) as f64] };
         let robot = RobotFn {
             waypoints: 9,
             free: [FreeRange::Turn; 2],
@@ -421,5 +421,29 @@ mod tests {
         let free = model.step(&point, &[1e-3; 9], None, &qp).unwrap();
         assert!(free.waypoints.iter().any(|by| by[0].hypot(by[1]) > 0.4));
         assert!(free.squared_jerk < step.squared_jerk);
+    }
+
+    #[test]
+    fn steps_end_in_the_range_of_a_parameter_that_is_near_its_end() {
+        let jolt = |waypoint: usize| if waypoint % 4 == 2 { 0.9 } else { 0.0 };
+        let robot = RobotFn {
+            waypoints: 9,
+            free: [FreeRange::Within(-0.25, 0.6)],
+            solutions: |_: usize, _: &[f64; 1], _: &mut dyn FnMut(u32, [f64; 1])| {},
+            posture: |waypoint: usize, free: &[f64; 1], _: u32| {
+                Some(Posture { joints: [2.0 * free[0] + jolt(waypoint)], rates: [[2.0]] })
+            },
+        };
+        let times: Vec<f64> = (0..9).map(|k| 0.2 * f64::from(k)).collect();
+        let line = Timeline::new(&times, RunIn { pieces: 3, spacing: 0.5 }).unwrap();
+        let node = LadderNode { joints: [0.0], free: [-0.1], branch: 0 };
+        let point = Point::start(&robot, &line, &[0; 9], &[node; 9], &Bounds::NONE).unwrap();
+        let mut model = Model::new(&line, &Bounds::NONE, robot.free, &GlobalOptions::default(), None, false);
+        let qp = QpOptions { iterations: 60, tolerance: 1e-10 };
+        let step = model.step(&point, &[1e-3; 9], None, &qp).unwrap();
+        // Steps are in units of the joint, which turns twice as far as the parameter.
+        let values: Vec<f64> = step.waypoints.iter().map(|by| -0.1 + by[0] / 2.0).collect();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!((least + 0.25).abs() < 1e-6, "{values:?}");
     }
 }

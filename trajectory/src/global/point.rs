@@ -303,34 +303,30 @@ mod tests {
         };
         let line = Timeline::new(&[0.0, 1.0], RunIn { pieces: 2, spacing: 0.5 }).unwrap();
         let domain = Domain { ranges: [FreeRange::Within(-1.0, 0.1)], cone: None };
-        let node = |free: f64| LadderNode { joints: [50.0, 0.0], free: [free], branch: 0 };
-        let start = Point::start(&robot, &line, &[0; 2], &[node(0.0), node(0.02)], &Bounds::NONE).unwrap();
+        let turned = 0.05 * TAU;
+        let first = [50.0 * turned.cos(), 50.0 * turned.sin()];
+        let node = |free: f64| LadderNode { joints: first, free: [free], branch: 0 };
+        let start = Point::start(&robot, &line, &[0; 2], &[node(0.05), node(0.02)], &Bounds::NONE).unwrap();
         let runs = vec![[0.0; 2]; line.knots() - 2];
         let moved = |by: f64, near_singular: f64| {
             start.moved(&robot, &line, &[0; 2], (&[[by], [0.0]], &runs), (1.0, near_singular), &domain)
         };
-        let first = line.waypoints().start;
         for by in [1.2, -2.5, 2.9, -3.1] {
-            // The tangent at (50, 0) goes straight up: the nearest point of the circle is in the direction of its end.
+            // Along a tangent: the nearest point of the circle is in the direction of its end.
             let next = moved(by, 100.0).unwrap();
-            let nearest = by.atan2(50.0) / TAU;
-            assert!((next.free[0][0] - nearest).abs() < 1e-6, "{by} {:?} {nearest}", next.free[0]);
-            let joints = next.knots[first];
-            assert!(
-                (joints[0].hypot(joints[1]) - 50.0).abs() < 1e-9 && (joints[1] / joints[0] - by / 50.0).abs() < 1e-4
-            );
-            assert_eq!(
-                next.columns[0],
-                circle(next.free[0][0]).unwrap().rates.map(|rate| rate.map(|r| r / (50.0 * TAU)))
-            );
+            let nearest = 0.05 + by.atan2(50.0) / TAU;
+            assert!((next.free[0][0] - nearest).abs() < 1e-9, "{by} {:?} {nearest}", next.free[0]);
+            let expected = circle(next.free[0][0]).unwrap();
+            assert_eq!(next.knots[line.waypoints().start], expected.joints);
+            assert_eq!(next.columns[0], expected.rates.map(|rate| rate.map(|r| r / (50.0 * TAU))));
             // Elsewhere the parameter moves, and with it the joints along the circle.
             let plain = moved(by, 1e3).unwrap();
-            assert!((plain.free[0][0] - by / 50.0 / TAU).abs() < 1e-12);
+            assert!((plain.free[0][0] - 0.05 - by / 50.0 / TAU).abs() < 1e-12);
         }
-        // Where the straight line leaves what is in reach, the waypoint goes as far as its range lets it, and otherwise cannot be placed.
-        assert!(moved(-80.0, 1e3).is_err());
-        let far = moved(-80.0, 100.0).unwrap();
-        assert!(far.free[0][0] < -0.1 && far.free[0][0] > -0.25, "{:?}", far.free[0]);
+        // Where the straight line leaves what is in reach, the waypoint cannot be placed, but for one that is projected: it comes nearer.
+        assert!(moved(-100.0, 1e3).is_err());
+        let far = moved(-100.0, 100.0).unwrap().free[0][0];
+        assert!(far > 0.05 + f64::atan2(-100.0, 50.0) / TAU && far < -0.05, "{far}");
     }
 
     #[test]
@@ -345,15 +341,15 @@ mod tests {
         };
         let line = Timeline::new(&[0.0, 1.0], RunIn { pieces: 2, spacing: 0.5 }).unwrap();
         let node = |free: f64| LadderNode { joints: [free, 0.5 * free], free: [free], branch: 0 };
-        // Two turns up for the first joint; the second is within its stops, though not in the middle.
-        let bounds = Bounds { lower: [9.0, -1.0], upper: [17.0, 30.0], ..Bounds::NONE };
-        let point = Point::start(&robot, &line, &[0; 2], &[node(0.4), node(0.8)], &bounds).unwrap();
-        for (at, knot) in point.knots.iter().enumerate() {
-            let expected = if at <= line.waypoints().start { 0.4 } else { 0.8 };
-            assert!(
-                (knot[0] - expected - 2.0 * TAU).abs() < 1e-12 && (knot[1] - 0.5 * expected).abs() < 1e-12,
-                "{knot:?}"
-            );
+        // The first joint goes a turn up, or down; the second is within its stops, though not in the middle.
+        for (lower, upper, turns) in [(9.0, 17.0, 1.0), (-17.0, 5.0, -2.0), (-30.0, -1.0, -3.0), (-3.0, 40.0, 0.0)] {
+            let bounds = Bounds { lower: [lower, -1.0], upper: [upper, 30.0], ..Bounds::NONE };
+            let point = Point::start(&robot, &line, &[0; 2], &[node(4.0), node(6.9)], &bounds).unwrap();
+            for (at, knot) in point.knots.iter().enumerate() {
+                let expected = if at <= line.waypoints().start { 4.0 } else { 6.9 };
+                assert!((knot[0] - expected - turns * TAU).abs() < 1e-12, "{lower} {knot:?}");
+                assert!((knot[1] - 0.5 * expected).abs() < 1e-12, "{knot:?}");
+            }
         }
     }
 }

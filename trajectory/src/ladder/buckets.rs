@@ -370,4 +370,50 @@ mod tests {
             assert_eq!(together(found), least, "{found:?}");
         }
     }
+
+    #[test]
+    fn the_cheapest_way_is_that_of_all() {
+        let mut random = Random::new(23);
+        let mut found_some = 0;
+        for round in 0..60 {
+            let kinds = [Kind::Circular, Kind::AsGiven, Kind::AsGiven];
+            let norm = if round % 2 == 0 { Norm::Absolute } else { Norm::Squared };
+            // Weights so large that the costs of two joints multiplied may be more than their sum.
+            let measure =
+                Measure { norm, weights: [0.0; 3].map(|_| random.within(0.2, 9.0)), period: kinds.map(Kind::period) };
+            let limits = [random.within(0.3, 4.0), random.within(0.3, 9.0), random.within(0.3, 9.0)];
+            let node =
+                |random: &mut Random| [random.within(-PI, PI), random.within(-8.0, 8.0), random.within(-8.0, 8.0)];
+            let before: Vec<[f64; 3]> = (0..150).map(|_| node(&mut random)).collect();
+            // Some were not reached, or most: then the cheapest way may come from a cell far off.
+            let unreached = if round % 4 < 2 { 0.2 } else { 0.95 };
+            let costs: Vec<f64> = before
+                .iter()
+                .map(|_| if random.unit() < unreached { f64::INFINITY } else { random.within(0.0, 3.0) })
+                .collect();
+            let by = best_pair(&before, &kinds, &limits);
+            let mut buckets = Buckets::new(&before, &costs, &kinds, by, &limits, &measure);
+            for _ in 0..40 {
+                let node = node(&mut random);
+                let in_reach = |other: &[f64; 3]| {
+                    (0..3).all(|joint| measure.distance(joint, node[joint], other[joint]) <= limits[joint])
+                };
+                let least = before
+                    .iter()
+                    .zip(&costs)
+                    .filter(|(other, _)| in_reach(other))
+                    .map(|(other, cost)| cost + measure.between(&node, other))
+                    .fold(f64::INFINITY, f64::min);
+                let guesses = [0; 2].map(|_| random.within(0.0, 200.0) as u32);
+                let found = buckets.cheapest(&node, &limits, &measure, guesses);
+                assert_eq!(found.is_some(), least < f64::INFINITY, "{round}");
+                let Some((cost, from)) = found else { continue };
+                found_some += 1;
+                assert!((cost - least).abs() < 1e-9 * least.max(1.0), "{round}: {cost} {least}");
+                let way = costs[from as usize] + measure.between(&node, &before[from as usize]);
+                assert!((cost - way).abs() < 1e-9 * least.max(1.0), "{round}: {cost} {way}");
+            }
+        }
+        assert!(found_some > 1_000, "{found_some}");
+    }
 }
