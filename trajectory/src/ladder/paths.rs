@@ -107,7 +107,7 @@ mod tests {
     use rand_pcg::Pcg64;
     use std::ops::ControlFlow;
 
-    /// Angles of one joint, each next to the one before, as whole turns away from a first one as all images within ten turns are.
+    /// The angles of one joint, each by the short way from the one before, and all of them up to ten whole turns away.
     fn all_images(angles: &[f64]) -> Vec<Vec<f64>> {
         let mut unwound = vec![angles[0]];
         for pair in angles.windows(2) {
@@ -116,7 +116,7 @@ mod tests {
         (-10..=10).map(|turns| unwound.iter().map(|angle| angle + TAU * f64::from(turns)).collect()).collect()
     }
 
-    /// The image that is nearest to what it should be next to: to where the joint comes from, else about the middle between its stops, else as it is.
+    /// The image nearest to where the joint comes from, else to the middle between its stops, else to the angles as they are.
     fn nearest(angles: &[f64], [lower, upper]: [f64; 2], from: Option<f64>) -> Option<Vec<f64>> {
         let ends = |image: &[f64]| {
             image.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &a| [low.min(a), high.max(a)])
@@ -129,7 +129,7 @@ mod tests {
         };
         let least = |images: Vec<Vec<f64>>| images.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         match lower.is_finite() && upper.is_finite() {
-            // Of two stops the nearest image fits, or the joint is looked at with all its images.
+            // Between two stops the nearest image fits, or the search looks at all images of the joint.
             true => least(all_images(angles)).filter(|image| fits(image)),
             false => least(all_images(angles).into_iter().filter(|image| fits(image)).collect()),
         }
