@@ -446,4 +446,36 @@ mod tests {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         assert!((least + 0.25).abs() < 1e-6, "{values:?}");
     }
+
+    #[test]
+    fn steps_keep_within_the_stops_that_they_are_near() {
+        // Where a joint comes to rest after a step up, the smoothest way swings beyond: one waypoint is free to.
+        let values = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+        let robot = RobotFn {
+            waypoints: 9,
+            free: [FreeRange::Turn],
+            solutions: |_: usize, _: &[f64; 1], _: &mut dyn FnMut(u32, [f64; 1])| {},
+            posture: |_: usize, free: &[f64; 1], _: u32| Some(Posture { joints: *free, rates: [[1.0]] }),
+        };
+        let times: Vec<f64> = (0..9).map(|k| 0.2 * f64::from(k)).collect();
+        let line = Timeline::new(&times, RunIn { pieces: 3, spacing: 0.5 }).unwrap();
+        let mut damping = [1e12; 9];
+        damping[5] = 1e-6;
+        let qp = QpOptions { iterations: 60, tolerance: 1e-10 };
+        // Up to a stop above, and down to one below.
+        for side in [1.0, -1.0] {
+            let nodes = values.map(|value| LadderNode { joints: [side * value], free: [side * value], branch: 0 });
+            let step = |stop: f64| {
+                let mut bounds = Bounds::NONE;
+                (if side > 0.0 { &mut bounds.upper } else { &mut bounds.lower })[0] = side * stop;
+                let point = Point::start(&robot, &line, &[0; 9], &nodes, &bounds).unwrap();
+                let mut model = Model::new(&line, &bounds, robot.free, &GlobalOptions::default(), None, false);
+                side * model.step(&point, &damping, None, &qp).unwrap().waypoints[5][0]
+            };
+            let (free, held) = (step(f64::INFINITY), step(1.01));
+            assert!(free > 0.02 && held < 0.5 * free, "{free} {held}");
+            // Stops far off say nothing.
+            assert!((step(2.0) - free).abs() < 1e-6);
+        }
+    }
 }

@@ -384,13 +384,16 @@ mod tests {
             let limits = [random.within(0.3, 4.0), random.within(0.3, 9.0), random.within(0.3, 9.0)];
             let node =
                 |random: &mut Random| [random.within(-PI, PI), random.within(-8.0, 8.0), random.within(-8.0, 8.0)];
-            let before: Vec<[f64; 3]> = (0..150).map(|_| node(&mut random)).collect();
+            let mut before: Vec<[f64; 3]> = (0..75).map(|_| node(&mut random)).collect();
             // Some were not reached, or most: then the cheapest way may come from a cell far off.
             let unreached = if round % 4 < 2 { 0.2 } else { 0.95 };
-            let costs: Vec<f64> = before
+            let mut costs: Vec<f64> = before
                 .iter()
                 .map(|_| if random.unit() < unreached { f64::INFINITY } else { random.within(0.0, 3.0) })
                 .collect();
+            // Each twice.
+            before.extend_from_within(..);
+            costs.extend_from_within(..);
             let by = best_pair(&before, &kinds, &limits);
             let mut buckets = Buckets::new(&before, &costs, &kinds, by, &limits, &measure);
             for _ in 0..40 {
@@ -409,6 +412,7 @@ mod tests {
                 assert_eq!(found.is_some(), least < f64::INFINITY, "{round}");
                 let Some((cost, from)) = found else { continue };
                 found_some += 1;
+                assert!(from < 75, "of equals the first");
                 assert!((cost - least).abs() < 1e-9 * least.max(1.0), "{round}: {cost} {least}");
                 let way = costs[from as usize] + measure.between(&node, &before[from as usize]);
                 assert!((cost - way).abs() < 1e-9 * least.max(1.0), "{round}: {cost} {way}");

@@ -242,6 +242,8 @@ fn limits_that_no_path_meets_are_a_status_that_names_the_place() {
     assert_eq!(found.status, GlobalStatus::BoundsMissed);
     let named = found.violations.iter().find(|violation| violation.quantity == Quantity::Velocity).unwrap();
     assert!((named.value.abs() - 1e-3) > 0.0 && (-2.0..8.0).contains(&named.time), "{named}");
+    // The rounds of both tries, with bounds priced late and from the beginning.
+    assert!(found.history.len() == found.rounds[0] + found.rounds[1] && found.rounds[0] > 2, "{:?}", found.rounds);
 }
 
 #[test]
