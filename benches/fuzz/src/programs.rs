@@ -10,6 +10,7 @@ use curvlay_toolpath::gcode::flavour::{AxisReader, Flavour, FlavourReadOptions, 
 use curvlay_toolpath::gcode::{Dialect, DirectionWords, GcodeReader, ReadOptions, RotaryTable};
 use std::hint::black_box;
 use std::io;
+use std::sync::LazyLock;
 
 pub const ENTRIES: &[Entry] = &[
     ("gcode", gcode),
@@ -86,19 +87,29 @@ fn gcode(data: &[u8]) {
     }
 }
 
+/// All flavours that come with the crate, read once.
+static FLAVOURS: LazyLock<Vec<Flavour>> =
+    LazyLock::new(|| Flavour::names().iter().filter_map(|name| Flavour::built_in(name)).collect());
+
+/// A machine with two rotary axes, and the flavours for it.
+static MACHINE: LazyLock<([MachineAxis; 5], Vec<Flavour>)> = LazyLock::new(|| {
+    let machine = ['X', 'Y', 'Z', 'B', 'C'].map(|letter| MachineAxis { letter, is_rotary: letter < 'X' });
+    let flavours = FLAVOURS.iter().map(|flavour| flavour.clone().for_machine(&machine)).collect();
+    (machine, flavours)
+});
+
 fn flavours(data: &[u8]) {
-    for flavour in Flavour::names().iter().filter_map(|name| Flavour::built_in(name)) {
-        if let Ok(reader) = FlavourReader::new(data, &flavour, FlavourReadOptions { skip_others: true }) {
+    for flavour in FLAVOURS.iter() {
+        if let Ok(reader) = FlavourReader::new(data, flavour, FlavourReadOptions { skip_others: true }) {
             black_box(reader.filter(Result::is_ok).count());
         }
     }
 }
 
 fn axes(data: &[u8]) {
-    let machine = ['X', 'Y', 'Z', 'B', 'C'].map(|letter| MachineAxis { letter, is_rotary: letter < 'X' });
-    for flavour in Flavour::names().iter().filter_map(|name| Flavour::built_in(name)) {
-        let flavour = flavour.for_machine(&machine);
-        if let Ok(reader) = AxisReader::new(data, &machine, &flavour, FlavourReadOptions { skip_others: true }) {
+    let (machine, flavours) = &*MACHINE;
+    for flavour in flavours {
+        if let Ok(reader) = AxisReader::new(data, machine, flavour, FlavourReadOptions { skip_others: true }) {
             black_box(reader.filter(Result::is_ok).count());
         }
     }
